@@ -11,9 +11,10 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, diags_array
+from scipy.sparse import csc_array, csr_array, diags_array
 
 from ..progress import Control
+from .diagonal_gradients import solved_by_gradients
 from .edge_laplacian import edge_laplacian
 from .facing_points import FacingPointFinder
 from .factorization import factorize
@@ -29,6 +30,10 @@ _REACH = 0.03
 _SMOOTHNESS = 0.3
 # Least weight, which holds vertices in place that nothing else constrains.
 _LEAST = 1e-4
+# Surfaces with more vertices are solved by conjugate gradients, unless those take more than so many iterations. They
+# take a third of the time of a factorization with 65 000 vertices, and a quarter with 260 000, after 27 iterations
+# from a man to another pose and 95 from a horse to a cow; results differ by 2e-14.
+_MANY, _MOST_ITERATIONS = 50_000, 150
 
 
 def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Control) -> NDArray[np.float64]:
@@ -62,8 +67,18 @@ def projection_rounds(
         heights = np.einsum("nd,nd->n", found.interpolated(target.corners) - points, normals)
         agreement = np.clip(np.einsum("nd,nd->n", facing[found.triangles], normals), 0.0, 1.0)
         weights = np.square(agreement) * np.exp(-np.square(found.distances / reach))
-        control.check()
-        system = factorize(csc_array(smoothness + diags_array(weights + _LEAST)))
-        right = (weights * heights)[:, None] * normals
-        points = np.ascontiguousarray(points + system.solve(np.ascontiguousarray(right.T)).T)
+        matrix = csc_array(smoothness + diags_array(weights + _LEAST))
+        points = points + _solved(matrix, (weights * heights)[:, None] * normals, control)
         yield points
+
+
+def _solved(matrix: csc_array, right: NDArray[np.float64], control: Control) -> NDArray[np.float64]:
+    """Return the solution of every column, (n, 3), of a symmetric system."""
+    control.check()
+    if len(right) > _MANY:
+        # A symmetric matrix has the same rows as columns, and products by rows are faster.
+        by_rows = csr_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
+        found = solved_by_gradients(by_rows, right, _MOST_ITERATIONS, control)
+        if found is not None:
+            return found
+    return np.ascontiguousarray(factorize(matrix).solve(np.ascontiguousarray(right.T)).T)

@@ -39,6 +39,8 @@ _RINGS, _WIDEST = (1, 2, 3, 4, 6, 9, 13, 19, 27), 0.095
 _APART = 2
 # Rings by which discs may grow until they have no holes, on the mesh and on the surface, which may be much finer.
 _MORE_RINGS, _MORE_TARGET_RINGS = 4, 12
+# Fraction of the work until folds are found, from a man to another pose with 1 040 000 vertices.
+_FOUND = 0.4
 # Rounds in which single vertices are moved, and how far towards their neighbors, from where they are and from the
 # middle of the neighbors.
 _ROUNDS, _STEPS, _MIDDLE_STEPS = 6, (0.2, 0.45), (0.0, 0.25, 0.5, 0.75)
@@ -60,6 +62,7 @@ def unfolded(
     control : Control
         Stops the work.
     """
+    yield Progress(0.0, message)
     found = folds.folded(vertices, control)
     if not found.any():
         return vertices
@@ -70,13 +73,17 @@ def unfolded(
     widest = _WIDEST * np.sqrt(len(folds.rest.faces))
     chosen = _RINGS[: np.searchsorted(_RINGS, widest, side="right")]
     parts = (len(chosen) + 1) * len(_UNCOVERED)
+
+    def report(done: float) -> Progress[None]:
+        return Progress(_FOUND + (1.0 - _FOUND) * done / parts, message)
+
     for sweep, uncovered in enumerate(_UNCOVERED):
         done = sweep * (len(chosen) + 1)
         for number, rings in enumerate(chosen):
             for share in unfolding.embed(rings, uncovered * np.sqrt(folds.target.area), control):
-                yield Progress((done + number + share) / parts, message)
+                yield report(done + number + share)
         for share in unfolding.move_single(control):
-            yield Progress((done + len(chosen) + share) / parts, message)
+            yield report(done + len(chosen) + share)
         if not found.any():
             break
     return unfolding.vertices

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.one_mesh.refined_samples import with_middles
+from convwass_addon.applications.one_mesh.refined_samples import RefinedPath, with_middles
 
 
 def test_cubic_paths_are_exact():
@@ -27,3 +27,11 @@ def test_a_swing_of_120_degrees_takes_sixteen_steps():
     step = np.radians(120.0) / 16
     assert away[3:-3].max() == pytest.approx(3.0 / 128.0 * step**4, rel=0.05)
     assert away.max() == pytest.approx(5.0 / 128.0 * step**4, rel=0.1)
+
+
+def test_refined_paths_are_means_of_their_samples():
+    samples = np.random.default_rng(3).normal(size=(9, 20, 3))
+    path = RefinedPath.of(samples, 2)
+    assert len(path) == 33
+    np.testing.assert_allclose(path.mean(path.weights), with_middles(with_middles(samples)), atol=1e-14)
+    np.testing.assert_array_equal(path.mean(path.weights[::4]), samples)

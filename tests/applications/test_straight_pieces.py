@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.one_mesh.refined_samples import RefinedPath
 from convwass_addon.applications.one_mesh.straight_pieces import StayNear, deviation, fitted_pieces, straight_pieces
 from convwass_addon.progress import UNINTERRUPTED, drained
 from convwass_addon.sentence import Sentence
@@ -19,7 +20,7 @@ def arc(angle, count):
 
 
 def ends_of(path, most):
-    return straight_pieces(len(path), [StayNear(path, most)])
+    return straight_pieces(len(path), [StayNear(RefinedPath.of(path, 0), most)])
 
 
 def test_a_straight_and_even_path_is_one_piece():
@@ -35,7 +36,9 @@ def test_the_number_of_pieces_of_an_arc_follows_from_its_sagitta(pieces):
     ends = ends_of(arc(angle, 12 * pieces + 1), 1.02 * sagitta)
     assert ends == [12 * (number + 1) for number in range(pieces)]
     path = arc(angle, 25)
-    assert deviation(path, [0, 24], path[[0, 24]], UNINTERRUPTED) == pytest.approx(1.0 - np.cos(angle / 2.0), rel=0.02)
+    assert deviation(RefinedPath.of(path, 0), [0, 24], np.eye(25)[[0, 24]], UNINTERRUPTED) == pytest.approx(
+        1.0 - np.cos(angle / 2.0), rel=0.02
+    )
 
 
 def test_samples_that_cannot_be_joined_stay_all():
@@ -46,7 +49,8 @@ def test_samples_that_cannot_be_joined_stay_all():
 def test_fitted_pieces_are_fewer_and_stay_as_near():
     """Ends beyond an arc share the error out to both sides: pieces may be longer by the root of a third and more."""
     samples, most = arc(np.radians(120.0), 121), 0.02
-    found = drained(fitted_pieces(samples, [StayNear(samples, most)], Sentence("Choosing"), UNINTERRUPTED))
+    path = RefinedPath.of(samples, 0)
+    found = drained(fitted_pieces(path, [StayNear(path, most)], Sentence("Choosing"), UNINTERRUPTED))
     assert len(found.ends) < len(ends_of(samples, most))
     assert found.deviation <= most
     knots = np.array([0, *found.ends]) / 120

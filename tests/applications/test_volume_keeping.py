@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.one_mesh.refined_samples import RefinedPath
 from convwass_addon.applications.one_mesh.volume_keeping import (
     Growth,
     has_volume,
@@ -36,7 +37,7 @@ def test_thickening_does_not_scale_the_whole_mesh():
     thin, thick = torus(2.0, 0.2), torus(2.0, 0.4)
     growth = Growth.between(thin, thick)
     assert growth.scale < 1.03
-    samples = [(1 - t) * thin.vertices + t * thick.vertices for t in np.linspace(0.0, 1.0, 5)]
+    samples = np.stack([(1 - t) * thin.vertices + t * thick.vertices for t in np.linspace(0.0, 1.0, 5)])
     middle = drained(with_even_volume(samples, thin, MESSAGE, UNINTERRUPTED))[2]
     assert TriangleMesh(middle, thin.faces).volume == pytest.approx(0.5 * (thin.volume + thick.volume), rel=1e-3)
     # The volume is proportional to the square of the smaller radius.
@@ -56,7 +57,8 @@ def test_a_thickened_torus_keeps_its_ring():
 def test_samples_of_a_pinched_way_get_an_even_volume():
     mesh = torus(2.0, 0.5)
     ring = mesh.vertices / np.hypot(*mesh.vertices[:, :2].T)[:, None] * [2.0, 2.0, 0.0]
-    samples = [ring + (1.0 - 0.1 * np.sin(np.pi * t)) * (mesh.vertices - ring) for t in np.linspace(0.0, 1.0, 9)]
+    shares = 1.0 - 0.1 * np.sin(np.pi * np.linspace(0.0, 1.0, 9))
+    samples = ring + shares[:, None, None] * (mesh.vertices - ring)
     assert TriangleMesh(samples[4], mesh.faces).volume < 0.85 * mesh.volume
     found = drained(with_even_volume(samples, mesh, MESSAGE, UNINTERRUPTED))
     for sample in found:
@@ -76,9 +78,9 @@ def test_the_error_of_straight_pieces_is_that_of_the_meshes_between():
     mesh = ball(points=100).moved((0.0, 0.0, 5.0))
     angles = np.linspace(0.0, np.pi, 5)
     turns = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles]
-    path = np.stack([mesh.vertices @ turn.T for turn in turns])
+    path = RefinedPath.of(np.stack([mesh.vertices @ turn.T for turn in turns]), 0)
     criterion = drained(KeepVolume.of(path, mesh.faces, 0.01, MESSAGE, UNINTERRUPTED))
     assert criterion.between(0, 4) == pytest.approx(100.0)
     # A chord of 90 degrees scales x and y by the cosine of 45 degrees in its middle.
     assert criterion.between(1, 3) == pytest.approx(50.0)
-    assert criterion.along([0, 2, 4], path[[0, 2, 4]], UNINTERRUPTED) == pytest.approx(50.0)
+    assert criterion.along([0, 2, 4], np.eye(5)[[0, 2, 4]], UNINTERRUPTED) == pytest.approx(50.0)

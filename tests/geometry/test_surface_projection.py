@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.geometry import surface_projection as module
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.surface_projection import drawn_along_normals
@@ -36,6 +37,17 @@ def test_points_on_the_surface_stay():
 def test_distant_and_differently_oriented_parts_stay():
     mesh = box(center=(9.0, 0.0, 0.0))
     np.testing.assert_allclose(drawn_along_normals(mesh, ball(points=200), Control()), mesh.vertices, atol=1e-6)
+
+
+def test_surfaces_of_many_vertices_are_projected_in_the_same_way(monkeypatch):
+    target, near = ball(points=3000), ball(points=700)
+    moved = TriangleMesh(near.vertices * (1.0 + 0.05 * np.sin(3.0 * near.vertices[:, :1])), near.faces)
+    factorized = drawn_along_normals(moved, target, Control())
+    monkeypatch.setattr(module, "_MANY", 100)
+    np.testing.assert_allclose(drawn_along_normals(moved, target, Control()), factorized, rtol=0.0, atol=1e-12)
+    # They are factorized after all if conjugate gradients take too long.
+    monkeypatch.setattr(module, "_MOST_ITERATIONS", 2)
+    np.testing.assert_array_equal(drawn_along_normals(moved, target, Control()), factorized)
 
 
 def test_it_can_be_cancelled():

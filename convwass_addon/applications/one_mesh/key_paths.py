@@ -26,10 +26,11 @@ from ..motions.guided_motion import GuidedMotion, GuidedPair, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
 from ..motions.standing_motion import standing_motion
+from ..workers import one_blas_thread
 from .guided_way import GuidedWay
 from .mirror_symmetry import MirrorSymmetry
 from .poor_maps import poor_map_error
-from .refined_samples import with_middles
+from .refined_samples import RefinedPath
 from .straight_pieces import Criterion, FittedPieces, StayNear, fitted_pieces
 from .volume_keeping import has_volume, with_even_volume
 from .volume_on_pieces import KeepVolume
@@ -40,13 +41,13 @@ _LEAST_SCORE = 0.6
 # Number of computed samples of a path, and how often their number is doubled by interpolation. Some of the samples
 # become key positions.
 _SAMPLES, _DOUBLINGS = 17, 2
-# Fraction of the work for the motion.
+# Fraction of the work for the motion: 0.3 with 1 040 000 vertices, and more with fewer.
 _GUIDED = 0.4
-# Seconds for a path until it is on the surface, sampled, symmetric and in straight pieces, and for its figures, with
-# 1 040 000 vertices (docs/performance/one_mesh.md).
-_SECONDS = (50.0, 15.0, 60.0, 60.0, 10.0)
+# CPU seconds for a path until it is on the surface, sampled, symmetric and in straight pieces, and for its figures:
+# from a man to another pose with 1 040 000 vertices (docs/performance/one_mesh.md).
+_SECONDS = (38.0, 8.0, 42.0, 24.0, 9.0)
 # Fractions of the work for straight pieces until the volume is even, and until it is known at all samples.
-_EVEN, _KNOWN = 0.15, 0.8
+_EVEN, _KNOWN = 0.58, 0.82
 # Vertices farther from the other surface than this fraction of its diagonal count as missing it.
 _FAR = 0.01
 # Largest relative error of the volume between keys.
@@ -174,6 +175,13 @@ def paths_along(
     shapes, names, demands, control
         As for :func:`key_paths`; the shapes must be oriented outward.
     """
+    with one_blas_thread():
+        return (yield from _paths_along(motion, shapes, names, demands, control))
+
+
+def _paths_along(
+    motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], demands: KeyDemands, control: Control
+) -> Work[list[KeyPath]]:
     found, moving = [], motion
     if demands.on_floor:
         moving = standing_motion(motion, len(shapes), [(0, index) for index in range(1, len(shapes))])
@@ -216,7 +224,7 @@ def _path(
     return KeyPath(name, times, positions, pair.score, pieces.deviation / diagonal, **figures)
 
 
-def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWay) -> None:
+def _straighten_loose_vertices(samples: NDArray[np.float64], way: GuidedWay) -> None:
     """Let vertices that no triangle uses stay, or move straight to known ends, in place: nothing guides them."""
     loose = ~way.mesh.is_used
     begin = samples[0][loose]
@@ -226,17 +234,14 @@ def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWa
 
 
 def _pieces(
-    samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, message: Sentence, control: Control
+    samples: NDArray[np.float64], mesh: TriangleMesh, most: float, message: Sentence, control: Control
 ) -> Work[FittedPieces]:
     """Follow a path, with an even volume if the mesh encloses one."""
     yield Progress(0.0, message)
     keeps_volume = has_volume(mesh)
     if keeps_volume:
         samples = yield from within(with_even_volume(samples, mesh, message, control), 0.0, _EVEN)
-    path = np.stack(samples)
-    for _ in range(_DOUBLINGS):
-        control.check()
-        path = with_middles(path)
+    path = RefinedPath.of(samples, _DOUBLINGS)
     criteria: list[Criterion] = [StayNear(path, most)]
     if keeps_volume:
         work = KeepVolume.of(path, mesh.faces, _VOLUME, message, control)

@@ -28,7 +28,7 @@ from ..morphs.morph_settings import MorphSettings
 from ..motions.guides import Guide
 from .followed_surfaces import Moment, followed, turned_around
 from .key_paths import KeyPath
-from .refined_samples import with_middles
+from .refined_samples import RefinedPath
 from .straight_pieces import FittedPieces, StayNear, fitted_pieces
 
 # Number of steps of the morph that the meshes follow, and how often their number is doubled by interpolation.
@@ -203,10 +203,7 @@ def _pieces(
     samples: Sequence[NDArray[np.float64]], most: float, message: Sentence, control: Control
 ) -> Work[FittedPieces]:
     """Follow samples, one for each step of the morph, by few straight pieces."""
-    path = np.stack(samples)
-    for _ in range(_DOUBLINGS):
-        control.check()
-        path = with_middles(path)
+    path = RefinedPath.of(np.stack(samples), _DOUBLINGS)
     return (yield from fitted_pieces(path, [StayNear(path, most)], message, control))
 
 

@@ -10,7 +10,6 @@ the mesh the volume it should have.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,13 +40,13 @@ def has_volume(mesh: TriangleMesh) -> bool:
 
 
 def with_even_volume(
-    samples: Sequence[NDArray[np.float64]], mesh: TriangleMesh, message: Sentence, control: Control
-) -> Work[list[NDArray[np.float64]]]:
-    """Return positions along a path, (n, 3) each, at which the volume changes evenly.
+    samples: NDArray[np.float64], mesh: TriangleMesh, message: Sentence, control: Control
+) -> Work[NDArray[np.float64]]:
+    """Return positions along a path, (f, n, 3), at which the volume changes evenly.
 
     Parameters
     ----------
-    samples : sequence of (n, 3) float64
+    samples : (f, n, 3) float64
         Positions at even steps of time. The first and the last stay as they are.
     mesh : TriangleMesh
         At the first of them; see :func:`has_volume`.
@@ -58,20 +57,20 @@ def with_even_volume(
     """
     last = TriangleMesh(samples[-1], mesh.faces)
     growth = Growth.between(mesh, last)
-    thickness = []
+    control.check()
+    yield Progress(0.0, message)
+    means, thickness = EdgeMeans.of(mesh), []
     for own in (mesh, last):
         yield Progress(0.5 * _MEASURED * len(thickness), message)
-        thickness.append(_thickness(own, control))
-    found = []
-    for index, sample in enumerate(samples):
+        thickness.append(_thickness(own, means, control))
+    found = samples.copy()
+    for index in range(1, len(samples) - 1):
         control.check()
         yield Progress(_MEASURED + (1.0 - _MEASURED) * index / len(samples), message)
         t = index / (len(samples) - 1)
-        if 0.0 < t < 1.0:
-            grown = TriangleMesh(growth.evenly_in_volume(sample, t), mesh.faces)
-            own = (1.0 - t) * thickness[0] + t * thickness[1]
-            sample = thickened(grown, own, (1.0 - t) * mesh.volume + t * last.volume)
-        found.append(sample)
+        grown = TriangleMesh(growth.evenly_in_volume(samples[index], t), mesh.faces)
+        own = (1.0 - t) * thickness[0] + t * thickness[1]
+        found[index] = thickened(grown, own, (1.0 - t) * mesh.volume + t * last.volume)
     return found
 
 
@@ -146,7 +145,7 @@ def thickened(mesh: TriangleMesh, thickness: NDArray[np.float64], volume: float)
     return mesh.vertices + factor * offsets
 
 
-def _thickness(mesh: TriangleMesh, control: Control) -> NDArray[np.float64]:
+def _thickness(mesh: TriangleMesh, means: EdgeMeans, control: Control) -> NDArray[np.float64]:
     """Return the smoothed radius of the largest balls that touch a mesh from inside, (n,)."""
     chosen = np.arange(0, len(mesh.vertices), max(1, len(mesh.vertices) // _BALLS))
     # Vertices between those with balls take the radius of the nearest that faces the same way.
@@ -158,8 +157,6 @@ def _thickness(mesh: TriangleMesh, control: Control) -> NDArray[np.float64]:
         nearest[start : start + _AT_ONCE] = tree.query(places[start : start + _AT_ONCE])[1]
     control.check()
     radii = touching_radii(mesh, chosen)[nearest]
-    control.check()
-    means = EdgeMeans.of(mesh)
     for _ in range(_SMOOTHINGS):
         control.check()
         radii = 0.5 * (radii + means.mean(radii))

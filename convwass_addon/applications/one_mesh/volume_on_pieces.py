@@ -19,6 +19,7 @@ from ...geometry.normals import cross_coordinates
 from ...geometry.products import product
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
+from .refined_samples import RefinedPath
 
 # Where along a piece the volume is measured.
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0])
@@ -28,43 +29,46 @@ _AT_ONCE = 1 << 11
 
 @dataclass(frozen=True)
 class KeepVolume:
-    """The volume stays close to that of the samples of a path; a :class:`.straight_pieces.Criterion`.
+    """The volume stays close to that of a path; a :class:`.straight_pieces.Criterion`.
 
     Attributes
     ----------
+    path : RefinedPath
+        The path.
     faces : (m, 3) int64
         Triangles of a closed mesh.
     products : (f, f) float64
-        g(x_i) . x_j of the samples i and j.
+        g(x_i) . x_j of the positions i and j.
     most : float
         Largest relative error.
     """
 
+    path: RefinedPath
     faces: NDArray[np.int64]
     products: NDArray[np.float64]
     most: float
 
     @classmethod
     def of(
-        cls, path: NDArray[np.float64], faces: NDArray[np.int64], most: float, message: Sentence, control: Control
+        cls, path: RefinedPath, faces: NDArray[np.int64], most: float, message: Sentence, control: Control
     ) -> Work[KeepVolume]:
-        """Compute the products of all samples of a path, (f, n, 3)."""
+        """Compute the products of all positions of a path."""
         products = np.zeros((len(path),) * 2)
-        for share, added in _products_by_part(path, faces):
+        for share, added in _products_by_part(path.samples, path.weights, faces):
             control.check()
             yield Progress(share, message)
             products += added
-        return cls(faces, products, most)
+        return cls(path, faces, products, most)
 
     def between(self, begin: int, end: int) -> float:
         """Measure the volume between two samples."""
         chosen = np.ix_([begin, end], [begin, end])
         return self._error((begin, end), self.products[chosen])
 
-    def along(self, knots: Sequence[int], positions: NDArray[np.float64], control: Control) -> float:
+    def along(self, knots: Sequence[int], weights: NDArray[np.float64], control: Control) -> float:
         """Measure the volume along all pieces."""
-        products = np.zeros((len(positions),) * 2)
-        for _, added in _products_by_part(positions, self.faces):
+        products = np.zeros((len(weights),) * 2)
+        for _, added in _products_by_part(self.path.samples, weights, self.faces):
             control.check()
             products += added
         pieces = enumerate(pairwise(knots))
@@ -77,22 +81,33 @@ class KeepVolume:
 
 
 def _products_by_part(
-    positions: NDArray[np.float64], faces: NDArray[np.int64]
+    samples: NDArray[np.float64], weights: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> Iterator[tuple[float, NDArray[np.float64]]]:
-    """Yield how much is done, and what some triangles add to g(x_i) . x_j for positions x, (k, n, 3), as (k, k).
+    """Yield how much is done, and what some triangles add to g(x_i) . x_j for means x of samples, as (k, k).
 
     It is a sixth of their doubled area vectors in one position times the sums of their corners in the other.
+
+    Parameters
+    ----------
+    samples : (s, n, 3) float64
+        Positions of the vertices.
+    weights : (k, s) float64
+        Weights of the samples in the means.
+    faces : (m, 3) int64
+        Triangles of a closed mesh.
     """
     # Volumes do not depend on the origin; near to it, sums are exact.
-    center = positions[0].mean(axis=0)
+    center = 3.0 * samples[0].mean(axis=0)[:, None]
     for start in range(0, len(faces), _AT_ONCE):
-        first, second, third = (
-            np.ascontiguousarray(np.moveaxis(positions.take(corner, axis=1) - center, 2, 0))
-            for corner in faces[start : start + _AT_ONCE].T
-        )
-        areas, sums = cross_coordinates(second - first, third - first), first + second + third
-        added = sum(product(own, other.T) for own, other in zip(areas, sums, strict=True))
-        yield start / len(faces), added / 6.0
+        some = np.ascontiguousarray(faces[start : start + _AT_ONCE].T)
+        # One contiguous array per corner and coordinate, (s, 3, 3, c).
+        corners = np.ascontiguousarray(np.moveaxis(samples.take(some, axis=1), 3, 2))
+        sums = corners.sum(axis=1) - center
+        edges = corners[:, 1:] - corners[:, :1]
+        moved = product(weights, edges.reshape(len(samples), -1)).reshape(len(weights), 2, 3, -1)
+        areas = np.stack(cross_coordinates(*np.moveaxis(moved, 0, 2)), axis=1)
+        added = product(areas.reshape(len(weights), -1), sums.reshape(len(samples), -1).T)
+        yield start / len(faces), product(added, weights.T) / 6.0
 
 
 def volumes_between(products: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -125,7 +125,7 @@ def test_all_stages_from_a_motion_to_keys_report_their_progress(arms, swing):
     noted(stages_of_keys(arms, swing, UNINTERRUPTED), reports)
     fractions = np.array([0.0, *(report.fraction for report in reports), 1.0])
     steps = np.diff(fractions)
-    assert (steps >= 0.0).all() and steps.max() < 0.35
+    assert (steps >= 0.0).all() and steps.max() < 0.2
     # The beginning of a stage may coincide with the end of the previous one.
     assert all(len(list(same)) <= 4 for _, same in groupby(fractions))
 
