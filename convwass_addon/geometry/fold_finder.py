@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .closest_points import ClosestPoints
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_areas, triangle_normals
@@ -48,15 +47,8 @@ class FoldFinder:
         return cls(rest, target, FacingPointFinder(target))
 
     def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
-        """Return the cosine between the normals of all triangles and of the surface below their centers, (m,).
-
-        On fine meshes, a fast search hardly ever returns another triangle of the surface than the closest one.
-        """
-        corners = vertices[self.rest.faces]
-        centers = corners.mean(axis=1)
-        is_fine = len(centers) > _MOST_EXACT
-        below = self.finder.find_closest(centers, control) if is_fine else self.finder.closest.find(centers, control)
-        return self._agreements(corners, below)
+        """Return the cosine between the normals of all triangles and of the surface below their centers, (m,)."""
+        return self._agreements(vertices[self.rest.faces], control)
 
     def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
@@ -77,10 +69,17 @@ class FoldFinder:
             Which triangles they are.
         """
         ratios = self._area_ratios(corners, self.rest.faces[some])
-        agreements = self._agreements(corners, self.finder.closest.find(corners.mean(axis=1)))
+        agreements = self._agreements(corners, UNINTERRUPTED)
         return np.minimum(agreements, FOLDED / _COLLAPSED * ratios)
 
-    def _agreements(self, corners: NDArray[np.float64], below: ClosestPoints) -> NDArray[np.float64]:
+    def _agreements(self, corners: NDArray[np.float64], control: Control) -> NDArray[np.float64]:
+        """Return the cosines, (k,), of some triangles given by their corners, (k, 3, 3).
+
+        On fine meshes, a fast search hardly ever returns another triangle of the surface than the closest one.
+        """
+        centers = corners.mean(axis=1)
+        is_fine = len(self.rest.faces) > _MOST_EXACT
+        below = self.finder.find_closest(centers, control) if is_fine else self.finder.closest.find(centers, control)
         facing = triangle_normals(self.target.corners[below.triangles])
         return np.einsum("md,md->m", triangle_normals(corners), facing)
 

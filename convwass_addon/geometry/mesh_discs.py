@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from .distinct import sorted_distinct
 from .edges import edge_use
 from .mesh import TriangleMesh
 
@@ -49,8 +51,9 @@ class MeshDisc:
     @classmethod
     def of(cls, mesh: TriangleMesh, triangles: NDArray[np.int64]) -> MeshDisc | None:
         """Return some triangles as a disc; None if they are none."""
-        vertices, faces = np.unique(mesh.faces[triangles], return_inverse=True)
-        faces = faces.reshape(-1, 3)
+        corners = mesh.faces[triangles]
+        vertices = sorted_distinct(corners.ravel())
+        faces = np.searchsorted(vertices, corners)
         use = edge_use(faces)
         if (use.count > 2).any() or len(vertices) - len(use.start) + len(faces) != 1:
             return None
@@ -85,11 +88,14 @@ class FaceGraph:
         Triangles at every vertex, (n, m).
     across : csr_array
         Triangles that share an edge, (m, m).
+    is_closed : bool
+        Whether two triangles share every edge.
     """
 
     mesh: TriangleMesh
     around: csr_array
     across: csr_array
+    is_closed: bool
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> FaceGraph:
@@ -101,42 +107,86 @@ class FaceGraph:
         shared = use.start[use.count == 2]
         one, other = use.face[shared], use.face[shared + 1]
         ends = np.concatenate([one, other]), np.concatenate([other, one])
-        return cls(mesh, around, csr_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count)))
+        across = csr_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count))
+        return cls(mesh, around, across, len(shared) == len(use.start))
 
     def touching(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the triangles at some vertices, ascending."""
-        return np.unique(self.around[vertices].indices).astype(np.int64)
+        return sorted_distinct(self.around[vertices].indices.astype(np.int64))
 
     def grown(self, triangles: NDArray[np.int64], rings: int = 1) -> NDArray[np.int64]:
         """Return triangles and rings of triangles around them, ascending."""
-        for _ in range(rings):
-            triangles = self.touching(np.unique(self.mesh.faces[triangles]))
-        return triangles
+        return np.sort(np.concatenate([triangles, *self._rings(triangles, rings)]))
+
+    def _rings(self, triangles: NDArray[np.int64], count: int) -> list[NDArray[np.int64]]:
+        """Return rings of triangles around some others, each ascending."""
+        # Each ring only needs the previous one.
+        is_known, is_passed = self._is_known, self._is_passed
+        rings, vertices = [triangles], []
+        is_known[triangles] = True
+        for _ in range(count):
+            corners = self.mesh.faces[rings[-1]].ravel()
+            vertices.append(sorted_distinct(corners[~is_passed[corners]]))
+            is_passed[vertices[-1]] = True
+            near = self.around[vertices[-1]].indices
+            rings.append(sorted_distinct(near[~is_known[near]].astype(np.int64)))
+            is_known[rings[-1]] = True
+        for ring, passed in zip(rings, [*vertices, np.empty(0, np.int64)], strict=True):
+            is_known[ring], is_passed[passed] = False, False
+        return rings[1:]
+
+    @cached_property
+    def _is_known(self) -> NDArray[np.bool_]:
+        """Marks of triangles, all False between calls."""
+        return np.zeros(len(self.mesh.faces), bool)
+
+    @cached_property
+    def _is_passed(self) -> NDArray[np.bool_]:
+        """Marks of vertices, all False between calls."""
+        return np.zeros(len(self.mesh.vertices), bool)
 
     def components(self, triangles: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-        """Split triangles into parts that are connected across edges."""
-        count, labels = connected_components(self.across[triangles][:, triangles], directed=False)
-        return [triangles[labels == label] for label in range(count)]
+        """Split triangles, ascending, into parts that are connected across edges."""
+        labels = self._labels(triangles)
+        order = np.argsort(labels, kind="stable")
+        return np.split(triangles[order], np.cumsum(np.bincount(labels))[:-1])
+
+    def _labels(self, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return which part of some triangles, ascending, each belongs to: parts are connected across edges."""
+        rows = self.across[triangles]
+        # Selecting columns would take time in proportion to the mesh.
+        places = np.searchsorted(triangles, rows.indices)
+        kept = triangles.take(places, mode="clip") == rows.indices
+        tails = np.repeat(np.arange(len(triangles)), np.diff(rows.indptr))[kept]
+        ends = np.ones(len(tails), np.int8), (tails, places[kept])
+        return connected_components(csr_array(ends, shape=(len(triangles),) * 2), directed=False)[1]
 
     def filled(self, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return triangles, ascending, and those in holes between them."""
-        near = self.grown(triangles, _HOLE_RINGS - 1)
-        beyond = np.setdiff1d(self.grown(near), near)
-        others = np.setdiff1d(np.concatenate([near, beyond]), triangles)
+        rings = self._rings(triangles, _HOLE_RINGS)
+        others = np.sort(np.concatenate(rings))
         if not len(others):
             return triangles
-        parts = self.components(others)
-        holes = [part for part in parts if not np.isin(part, beyond).any()]
-        if len(holes) == len(parts):
+        labels = self._labels(others)
+        sizes = np.bincount(labels)
+        is_hole = np.ones(len(sizes), bool)
+        # A part that goes on is none.
+        is_hole[labels[np.searchsorted(others, rings[-1])]] = False
+        if is_hole.all():
             # On a small closed surface everything is near; the largest part is the outside.
-            holes = sorted(holes, key=len)[:-1]
-        return np.sort(np.concatenate([triangles, *holes]))
+            is_hole[np.flatnonzero(sizes == sizes.max())[-1]] = False
+        return np.sort(np.concatenate([triangles, others[is_hole[labels]]]))
 
     def disc_around(self, triangles: NDArray[np.int64], most_rings: int) -> MeshDisc | None:
         """Return a disc with all of some triangles, grown by as few rings as needed; None if that is not enough."""
         for ring in range(most_rings + 1):
-            triangles = self.filled(self.grown(triangles) if ring else triangles)
+            triangles = self.grown(triangles) if ring else triangles
             found = MeshDisc.of(self.mesh, triangles)
+            # A disc has no holes unless it ends at the border of the mesh.
+            if found is None or not self.is_closed:
+                whole = self.filled(triangles)
+                if len(whole) > len(triangles):
+                    triangles, found = whole, MeshDisc.of(self.mesh, whole)
             if found is not None:
                 return found
         return None

@@ -21,6 +21,7 @@ from scipy.spatial import cKDTree
 from ..progress import Control, Progress, Work
 from ..sentence import Sentence
 from .closest_points import ClosestPointFinder, ClosestPoints
+from .distinct import sorted_distinct
 from .fold_finder import FOLDED, FoldFinder
 from .mesh import TriangleMesh
 from .mesh_discs import FaceGraph, MeshDisc
@@ -39,6 +40,8 @@ _RINGS, _WIDEST = (1, 2, 3, 4, 6, 9, 13, 19, 27), 0.095
 _APART = 2
 # Rings by which discs may grow until they have no holes, on the mesh and on the surface, which may be much finer.
 _MORE_RINGS, _MORE_TARGET_RINGS = 4, 12
+# Points of the unit disc this close to a triangle are inside of it, up to rounding.
+_INSIDE = 1e-14
 # Fraction of the work until folds are found, from a man to another pose with 1 040 000 vertices.
 _FOUND = 0.4
 # Rounds in which single vertices are moved, and how far towards their neighbors, from where they are and from the
@@ -122,10 +125,10 @@ class _Unfolding:
     def _patch(self, disc: MeshDisc) -> _Patch | None:
         """Flatten the surface below a disc; None if no disc of the surface holds it."""
         own = self.folds.rest.faces[self.graph.touching(disc.vertices)]
-        used, faces = np.unique(own, return_inverse=True)
-        normals = vertex_normals(self.vertices[used], faces.reshape(-1, 3))[np.searchsorted(used, disc.vertices)]
+        used = sorted_distinct(own.ravel())
+        normals = vertex_normals(self.vertices[used], np.searchsorted(used, own))[np.searchsorted(used, disc.vertices)]
         hits = self.folds.finder.find(self.vertices[disc.vertices], normals)
-        area = self.below.disc_around(self.below.grown(np.unique(hits.triangles)), _MORE_TARGET_RINGS)
+        area = self.below.disc_around(self.below.grown(sorted_distinct(hits.triangles)), _MORE_TARGET_RINGS)
         return None if area is None else _Patch.of(self.folds, disc, area, hits)
 
     def _placed(self, patch: _Patch, places: NDArray[np.float64], most: float) -> bool:
@@ -216,7 +219,12 @@ class _Patch:
         return self._lifted(reembedded(self.places, self.disc))
 
     def _lifted(self, flat: NDArray[np.float64]) -> NDArray[np.float64]:
-        above = ClosestPointFinder(_in_space(self.plane)[self.area.faces]).find(_in_space(flat))
+        finder, points = ClosestPointFinder(_in_space(self.plane)[self.area.faces]), _in_space(flat)
+        above = finder.find_about(points)
+        # No triangle is closer to points inside of one.
+        outside = np.flatnonzero(above.distances > _INSIDE)
+        if len(outside):
+            above = above.replaced(outside, finder.find(points[outside]))
         return above.interpolated(self.target.vertices[self.area.vertices][self.area.faces])
 
     def uncovered(self, corners: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -43,6 +43,25 @@ def test_on_a_small_surface_the_largest_part_is_outside(height):
     np.testing.assert_array_equal(graph.filled(band), np.union1d(band, small))
 
 
+def test_a_disc_at_a_border_includes_what_it_separates_from_the_rest():
+    mesh = ball(points=1000)
+    half = TriangleMesh(mesh.vertices, mesh.faces[above(mesh, 0.0)])
+    places = half.corners[:, :, 0].mean(axis=1)
+    strip = np.flatnonzero((places > 0.6) & (places < 0.8))
+    assert MeshDisc.of(half, strip) is not None
+    disc = FaceGraph.of(half).disc_around(strip, 0)
+    np.testing.assert_array_equal(disc.triangles, np.flatnonzero(places > 0.6))
+
+
+def test_rings_are_the_triangles_that_share_vertices(graph):
+    faces = graph.mesh.faces
+    for start in (5, 900):
+        expected = np.array([start])
+        for rings in range(4):
+            np.testing.assert_array_equal(graph.grown(np.array([start]), rings), expected)
+            expected = np.flatnonzero(np.isin(faces, faces[expected]).any(axis=1))
+
+
 def test_two_parts_grow_together(graph):
     far = above(graph.mesh, 0.9)[[0, -1]]
     disc = graph.disc_around(far, 12)
