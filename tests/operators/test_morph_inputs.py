@@ -548,8 +548,14 @@ def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
 
 
 @pytest.mark.usefixtures("many_faces")
-def test_shapes_are_checked_at_once_while_a_job_runs(shapes):
-    pressed, context = Pressed(morph_inputs_operators.CONVWASS_OT_add_morph_inputs), shapes_selected(shapes)
+@pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
+def test_shapes_are_checked_at_once_while_a_job_runs(shapes, operator):
+    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
+    if operator == "check_morph_inputs":
+        bpy.ops.convwass.add_morph_inputs()
+        for item in settings().inputs:
+            item.verdict = "UNCHECKED"
+    pressed, context = Pressed(kind), shapes_selected(shapes)
     context.window_manager.convwass_progress.running = True
     assert not started(pressed, context)
     assert {item.verdict for item in settings().inputs} == {"SOUND"}
