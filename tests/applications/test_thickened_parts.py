@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from convwass_addon.applications.live.field_sources import MovingSource
+from convwass_addon.applications.live.level_fields import mixed
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -91,7 +93,8 @@ def test_the_mean_of_solids_has_the_thin_parts_that_all_of_them_have():
     assert reaches[1] < 30.0
 
 
-FINNED = joined(ball(0.5, points=2000), rotated(box((2.4, 0.9, 0.03)), np.array([0.2, 0.3, 0.0])))
+FIN_TURN = np.array([0.2, 0.3, 0.0])
+FINNED = joined(ball(0.5, points=2000), rotated(box((2.4, 0.9, 0.03)), FIN_TURN))
 SHAPES = (FINNED, turned(FINNED, 1.0))
 
 
@@ -140,3 +143,13 @@ def test_a_lost_fin_is_only_reported_if_blends_lose_it(problem):
     assert plain.frame(first, Control()).record["thin"]["share"] > 0.0
     share = 0.2
     assert plain.frame(Blend((1.0 - share, share)), Control()).mesh.area < 0.6 * FINNED.area
+
+
+def test_fins_of_live_fields_are_thick_and_take_nothing_from_the_ball(problem):
+    weights = (0.8, 0.2)
+    mesh = mixed([MovingSource(problem).field(weights)], [1.0]).surface()
+    placed = problem.still.lattice.to_scene(mesh, np.array(weights))
+    upright = rotated(turned(placed, -weights[1]), -FIN_TURN).vertices
+    assert np.ptp(upright[:, 0]) == pytest.approx(2.4, abs=0.15)
+    ball_radii = np.linalg.norm(upright[np.abs(upright[:, 2]) > 0.2], axis=1)
+    assert ball_radii.mean() == pytest.approx(0.5, abs=0.02)

@@ -192,8 +192,9 @@ class MovingSource:
 
     def _density(self, moved: MovedBlend, control: Control) -> LevelDensity:
         if moved.coincides:
-            surface = surface_enclosing(moved.solids.density, moved.volume)
-            return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, moved.volume)
+            volume = moved.volume + moved.solids.surplus
+            surface = surface_enclosing(moved.solids.density, volume)
+            return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, volume)
         transport = moved.problem.transport
         volumes = transport.blend_volumes(moved.blend)
         merged = BlendSolver(transport, control, ALONE).solve(moved.blend, volumes).merged()
