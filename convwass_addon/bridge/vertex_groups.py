@@ -19,6 +19,8 @@ from .sequence import frame_group, own_geometry
 
 # Names of temporary attributes.
 _READ, _WRITTEN = "convwass read {}", "convwass written"
+# Names that Blender 4.5 takes for those of attributes even if the mesh has none of them.
+_BUILT_IN = ("material_index", "id", "sharp_face", "sharp_edge")
 
 
 def group_names(obj: bpy.types.Object) -> list[str]:
@@ -66,8 +68,8 @@ def mesh_weights(mesh: bpy.types.Mesh, names: Sequence[str], indices: Sequence[i
     """
     weights = _by_nodes(mesh, names)
     for place, (name, index) in enumerate(zip(names, indices, strict=True)):
-        # Nodes cannot distinguish a group from an attribute of the same name.
-        if name in mesh.attributes:
+        # Nodes cannot distinguish a group from an attribute of the same name, and do not read hidden names.
+        if name in mesh.attributes or name in _BUILT_IN or name.startswith("."):
             weights[place] = _one_by_one(mesh, index)
     return weights
 

@@ -223,6 +223,8 @@ def test_densities_as_weights():
 
 def test_groups_of_a_mesh_are_those_of_its_vertices_whatever_their_names(obj, inventory):
     names = ["Head", "position", "material_index", "id", "sharp_face", ".corner_vert", "radius", "UVMap", "Tail"]
+    names += ["sharp_edge", ".edge_verts", ".corner_edge", "crease_vert", "crease_edge", "bevel_weight_vert"]
+    names += [".select_vert", ".hide_vert", ".own", "velocity", "normal", "custom_normal", "shade_smooth"]
     rng = np.random.default_rng(3)
     for name in names:
         group = obj.vertex_groups.new(name=name)
