@@ -170,6 +170,7 @@ def test_palettes_have_weights(tmp_path, red, blue):
         ["red.png", "--palette", "blue.png", "--mask", "blue.png", "--out", "a.png"],
         ["red.png", "blue.png", "--palette", "blue.png", "--out", "."],
         ["red.png", "red.png", "--palette", "blue.png", "--out", "a"],
+        ["red.png", "--palette", "blue.png", "--cube-size", "17", "--out", "a.png"],
         ["red.png", "--lut", "blue.png", "--out", "a.png"],
         ["red.png", "--lut", "none.cube", "--out", "a.png"],
         ["red.png", "--palette", "blue.png", "--workers", "0", "--out", "a.png"],

@@ -78,6 +78,8 @@ def _check_options(options: Namespace) -> None:
         raise InputError("Nothing would be written; name an image with --out, or a lookup table with --cube.")
     if options.lut is not None:
         _refuse_options_of_maps(options)
+    if options.cube is None and given_options(options, TableSettings):
+        raise InputError("--cube-size is the size of a lookup table; name one with --cube.")
     if options.weights is not None and len(options.weights) != len(options.palette):
         raise InputError("Give one weight for each of the {count} palettes.", count=len(options.palette))
     if options.palette_mask is not None and len(options.palette) != 1:
