@@ -734,11 +734,20 @@ def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, m
     assert not out.exists()
 
 
-def test_an_entropy_limit_that_no_blend_meets_is_refused(shapes, tmp_path, capfd):
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ("-20", "No blend on this grid has an entropy as low as -20"),
+        # Blends would have mass in fewer cells than they fill; at -8, the solver returned the whole grid.
+        ("-7", "The entropy limit -7 is too low for these shapes: a solid of their volume has -"),
+        ("-8", "The entropy limit -8 is too low for these shapes: a solid of their volume has -"),
+    ],
+)
+def test_an_entropy_limit_that_no_blend_meets_is_refused(shapes, tmp_path, capfd, limit, message):
     out = tmp_path / "morph.blend"
-    words = [*cube_and_ball(shapes), *QUICK, "--motion", "transport", "--entropy-limit", "-20", "--out", str(out)]
+    words = [*cube_and_ball(shapes), *QUICK, "--motion", "transport", "--entropy-limit", limit, "--out", str(out)]
     assert cli.main(["morph", *words]) == 3
-    assert "No blend on this grid has an entropy as low as -20" in capfd.readouterr().err
+    assert message in capfd.readouterr().err
     assert not out.exists()
 
 

@@ -131,6 +131,7 @@ class BlendSolver:
         limits = self._problem.entropy_limits(volumes)
         known = sketch or [None] * len(self._parts)
         solved = tuple(part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True))
+        self._problem.require_met_limits(solved, limits, volumes)
         return SolvedBlend(blend, solved, tuple(part.sigma for part in self._parts), volumes)
 
     def sketch(self, blend: Blend, volumes: NDArray[np.float64]) -> tuple[PartSketch, ...]:

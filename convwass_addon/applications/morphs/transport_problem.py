@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -11,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...transport import Grid, Inputs
+from ...transport import Barycenter, Grid, Inputs
 from .interpolated_volumes import interpolated_volumes
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .part_labels import PartNotice
 from .parts import SplitShapes
 
+# A limit is met if the entropy exceeds it by less than this.
+_MET = 0.05
 # Sketches are solved on the finest of the coarser levels with at most this many cells.
 _SKETCH_CELLS = 300_000
 # Maximum bytes that a sketch keeps until its blend is finished, per cell of the level that it is solved on: for all
@@ -160,6 +163,30 @@ class TransportProblem:
                 limit=limit,
                 least=least,
             )
+
+    def require_met_limits(
+        self,
+        parts: Sequence[Barycenter],
+        limits: Sequence[Literal["max"] | float | None],
+        volumes: NDArray[np.float64],
+    ) -> None:
+        """Refuse an entropy limit at which the parts of a blend fill fewer cells than their volumes, (p,), need.
+
+        Raises
+        ------
+        InputError
+            The message names the entropy of a solid of the blend's volume.
+        """
+        for part, limit, volume in zip(parts, limits, volumes, strict=True):
+            if limit is None or isinstance(limit, str):
+                continue
+            if part.entropy > limit + _MET or np.count_nonzero(part.density) < volume:
+                raise InputError(
+                    "The entropy limit {limit:g} is too low for these shapes: a solid of their volume has "
+                    "{usual:.2f}. Raise the entropy limit, or set it to As the Inputs.",
+                    limit=self.settings.entropy_limit,
+                    usual=float(np.log(volumes.sum() / np.prod(self.lattice.shape))),
+                )
 
     def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
         """Return entropy bounds for the parts of a blend with these volumes, (p,).
