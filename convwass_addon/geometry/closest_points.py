@@ -85,15 +85,17 @@ class TriangleSamples:
     def of(cls, corners: NDArray[np.float64]) -> TriangleSamples:
         """Sample triangles, (m, 3, 3), by at least 20 000 points, and about one for each."""
         wanted = max(_SAMPLES, _SAMPLES_PER_TRIANGLE * len(corners))
-        return cls.spaced(corners, np.sqrt(np.square(_reaches(corners)).sum() / wanted))
+        reach = _reaches(corners)
+        return cls._divided(corners, reach, np.sqrt(np.square(reach).sum() / wanted))
 
     @classmethod
     def spaced(cls, corners: NDArray[np.float64], radius: float) -> TriangleSamples:
-        """Divide every triangle, (m, 3, 3), into n^2 similar ones, n along each edge, and take their centers.
+        """Sample triangles, (m, 3, 3), so that every point of them is about `radius` from a sample, or less."""
+        return cls._divided(corners, _reaches(corners), radius)
 
-        Every point of a triangle is about `radius` from one of them, or less.
-        """
-        reach = _reaches(corners)
+    @classmethod
+    def _divided(cls, corners: NDArray[np.float64], reach: NDArray[np.float64], radius: float) -> TriangleSamples:
+        """Divide every triangle into n^2 similar ones, n along each edge, and take their centers."""
         cuts = np.ones(len(corners), np.int64)
         if radius > 0:
             cuts = np.clip(np.round(reach / radius), 1, _MOST_CUTS).astype(np.int64)

@@ -6,24 +6,23 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csc_array, csr_array
 
 from ..progress import Control
+from .conjugate_gradients import conjugate_gradients
 
-# Conjugate gradients stop at this residual relative to the right-hand side, in the norm of the inverse diagonal.
+# Relative residual at which to stop.
 _ERROR = 1e-13
 
 
 def solved_by_gradients(
-    matrix: csr_array, right: NDArray[np.float64], most: int, control: Control
+    matrix: csc_array | csr_array, right: NDArray[np.float64], most: int, control: Control
 ) -> NDArray[np.float64] | None:
     """Return the solution of every column, (n, k); None if that takes too many iterations.
 
-    M. Hestenes and E. Stiefel, "Methods of conjugate gradients for solving linear systems", 1952.
-
     Parameters
     ----------
-    matrix : (n, n) csr_array
+    matrix : (n, n) sparse
         Symmetric and positive definite.
     right : (n, k) float64
         Right-hand sides.
@@ -33,26 +32,5 @@ def solved_by_gradients(
         Stops the work.
     """
     inverse = 1.0 / matrix.diagonal()[:, None]
-    found, residual = np.zeros_like(right), right.copy()
-    gradient = inverse * residual
-    decrease = _dots(residual, gradient)
-    limits, direction = _ERROR**2 * decrease, gradient.copy()
-    for _ in range(most):
-        if (decrease <= limits).all():
-            return found
-        control.check()
-        product = matrix @ direction
-        curvature = _dots(direction, product)
-        step = np.divide(decrease, curvature, out=np.zeros_like(decrease), where=curvature > 0)
-        found += step * direction
-        residual -= step * product
-        np.multiply(inverse, residual, out=gradient)
-        before, decrease = decrease, _dots(residual, gradient)
-        direction *= np.divide(decrease, before, out=np.zeros_like(decrease), where=before > 0)
-        direction += gradient
-    return found if (decrease <= limits).all() else None
-
-
-def _dots(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the scalar product of every column, (k,)."""
-    return np.einsum("nk,nk->k", one, other)
+    start = np.zeros_like(right)
+    return conjugate_gradients(matrix, lambda residual: inverse * residual, right, start, _ERROR, most, control)

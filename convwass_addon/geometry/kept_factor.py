@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array
 
+from .conjugate_gradients import conjugate_gradients
 from .factorization import Factorization, factorize
 
 # Conjugate gradients stop at this relative error in the energy norm. A factorization takes at least as long as fifteen
@@ -37,7 +40,8 @@ class KeptFactor:
             Initial guess.
         """
         if self._factor is not None:
-            found = _conjugate_gradients(matrix, self._factor, right, start)
+            apply = partial(_solved, self._factor)
+            found = conjugate_gradients(matrix, apply, right, start, _ERROR, _MOST_ITERATIONS)
             if found is not None:
                 return found
         self._factor = factorize(matrix)
@@ -46,30 +50,3 @@ class KeptFactor:
 
 def _solved(factor: Factorization, right: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.ascontiguousarray(factor.solve(np.ascontiguousarray(right.T)).T)
-
-
-def _conjugate_gradients(
-    matrix: csc_array, factor: Factorization, right: NDArray[np.float64], start: NDArray[np.float64]
-) -> NDArray[np.float64] | None:
-    """Solve for all columns together; None after too many iterations."""
-    # A symmetric matrix has the same rows as columns, and products by rows are faster.
-    by_rows = csr_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
-    found = start.copy()
-    residual = right - by_rows @ found
-    limits = _ERROR**2 * np.einsum("nk,nk->k", right, _solved(factor, right))
-    gradient = _solved(factor, residual)
-    decrease = np.einsum("nk,nk->k", residual, gradient)
-    direction = gradient
-    for _ in range(_MOST_ITERATIONS):
-        if (decrease <= limits).all():
-            return found
-        product = by_rows @ direction
-        curvature = np.einsum("nk,nk->k", direction, product)
-        step = np.divide(decrease, curvature, out=np.zeros_like(decrease), where=curvature > 0)
-        found += step * direction
-        residual -= step * product
-        gradient = _solved(factor, residual)
-        before, decrease = decrease, np.einsum("nk,nk->k", residual, gradient)
-        ratio = np.divide(decrease, before, out=np.zeros_like(decrease), where=before > 0)
-        direction = gradient + ratio * direction
-    return found if (decrease <= limits).all() else None

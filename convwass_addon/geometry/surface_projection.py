@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, diags_array
 
 from ..progress import Control
 from .diagonal_gradients import solved_by_gradients
@@ -76,9 +76,7 @@ def _solved(matrix: csc_array, right: NDArray[np.float64], control: Control) -> 
     """Return the solution of every column, (n, 3), of a symmetric system."""
     control.check()
     if len(right) > _MANY:
-        # A symmetric matrix has the same rows as columns, and products by rows are faster.
-        by_rows = csr_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
-        found = solved_by_gradients(by_rows, right, _MOST_ITERATIONS, control)
+        found = solved_by_gradients(matrix, right, _MOST_ITERATIONS, control)
         if found is not None:
             return found
     return np.ascontiguousarray(factorize(matrix).solve(np.ascontiguousarray(right.T)).T)

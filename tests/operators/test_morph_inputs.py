@@ -489,6 +489,15 @@ def shapes_selected(shapes):
     return context
 
 
+def unchecked(shapes, operator):
+    """An operator that checks shapes, and the context to press it in; what it checks has not been checked."""
+    if operator == "check_morph_inputs":
+        bpy.ops.convwass.add_morph_inputs()
+        for item in settings().inputs:
+            item.verdict = "UNCHECKED"
+    return Pressed(getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")), shapes_selected(shapes)
+
+
 @pytest.fixture
 def many_faces(monkeypatch):
     """Let a single face count as many."""
@@ -498,14 +507,9 @@ def many_faces(monkeypatch):
 @pytest.mark.usefixtures("many_faces")
 @pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
 def test_shapes_are_checked_in_the_background(shapes, operator):
-    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
-    if operator == "check_morph_inputs":
-        bpy.ops.convwass.add_morph_inputs()
-        for item in settings().inputs:
-            item.verdict = "UNCHECKED"
+    pressed, context = unchecked(shapes, operator)
     shapes[1].data.polygons[0].flip()
     shapes[1].data.update_tag()
-    pressed, context = Pressed(kind), shapes_selected(shapes)
     assert started(pressed, context)
     # What is on the list is there at once; meanwhile it may be sorted, and get shorter.
     assert listed() == ["A", "B", "C"]
@@ -521,11 +525,7 @@ def test_shapes_are_checked_in_the_background(shapes, operator):
 @pytest.mark.usefixtures("many_faces")
 @pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
 def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
-    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
-    if operator == "check_morph_inputs":
-        bpy.ops.convwass.add_morph_inputs()
-        for item in settings().inputs:
-            item.verdict = "UNCHECKED"
+    pressed, context = unchecked(shapes, operator)
     checking = threading.Event()
 
     def endless(mesh, control):
@@ -535,7 +535,6 @@ def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
             time.sleep(0.005)
 
     monkeypatch.setattr(shape_check, "check_shape", endless)
-    pressed, context = Pressed(kind), shapes_selected(shapes)
     assert started(pressed, context)
     assert until(pressed, context, checking.is_set) == {"PASS_THROUGH"}
     until(pressed, context, event=ESCAPE)
@@ -550,12 +549,7 @@ def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
 @pytest.mark.usefixtures("many_faces")
 @pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
 def test_shapes_are_checked_at_once_while_a_job_runs(shapes, operator):
-    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
-    if operator == "check_morph_inputs":
-        bpy.ops.convwass.add_morph_inputs()
-        for item in settings().inputs:
-            item.verdict = "UNCHECKED"
-    pressed, context = Pressed(kind), shapes_selected(shapes)
+    pressed, context = unchecked(shapes, operator)
     context.window_manager.convwass_progress.running = True
     assert not started(pressed, context)
     assert {item.verdict for item in settings().inputs} == {"SOUND"}

@@ -89,9 +89,9 @@ def level_density(
         surface = surface_at_level(prepared.density, float(prepared.density.max()) / 2)
         return LevelDensity(prepared.density, prepared.low, surface.level, surface.mesh.volume)
     if solids is not None:
-        prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-        volume += solids.surplus
-    return LevelDensity(prepared.density, prepared.low, surface_enclosing(prepared.density, volume).level, volume)
+        prepared = prepared.mixed_with(solids)
+    level = surface_enclosing(prepared.density, prepared.volume).level
+    return LevelDensity(prepared.density, prepared.low, level, prepared.volume)
 
 
 def estimated_level_density(density: NDArray[np.floating], volume: float, settings: MorphSettings) -> LevelDensity:
@@ -174,9 +174,8 @@ def extract_surface(
         )
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
-        prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-        volume += solids.surplus
-    extracted = _Repairs(volume, shapes, settings, constraint, control).mended(prepared)
+        prepared = prepared.mixed_with(solids)
+    extracted = _Repairs(prepared.volume, shapes, settings, constraint, control).mended(prepared)
     # Repairs on a coarse grid may raise the level above all of the density that they started from.
     level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
     shown = prepared.density > level
@@ -194,9 +193,8 @@ def extract_coinciding(
 ) -> Extraction:
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
-    return _Repairs(volume + solids.surplus, shapes, settings, constraint, control).mended(
-        _Prepared(solids.density, whole, 1.0)
-    )
+    prepared = _Prepared(solids.density, whole, 1.0, volume + solids.surplus)
+    return _Repairs(prepared.volume, shapes, settings, constraint, control).mended(prepared)
 
 
 @dataclass(frozen=True)
@@ -259,11 +257,14 @@ class _Prepared:
         The box on the density's grid.
     unit : float
         One, or the maximum of the density.
+    volume : float
+        Volume that the surface should enclose, in cells.
     """
 
     density: NDArray[np.float32]
     box: Box
     unit: float
+    volume: float
 
     @classmethod
     def of(cls, density: NDArray[np.floating], volume: float, settings: MorphSettings) -> _Prepared:
@@ -274,8 +275,13 @@ class _Prepared:
         box = box_around(density > _NEGLIGIBLE * peak, int(np.ceil(_EXTRACTION_REACH * EXTRACTION_BLUR)))
         blurred = gaussian_filter((density[box] / peak).astype(np.float32), EXTRACTION_BLUR, truncate=_EXTRACTION_REACH)
         if settings.thin_parts:
-            return cls(locally_normalized(blurred, volume), box, 1.0)
-        return cls(blurred, box, peak)
+            return cls(locally_normalized(blurred, volume), box, 1.0, volume)
+        return cls(blurred, box, peak, volume)
+
+    def mixed_with(self, solids: CoincidingSolids) -> _Prepared:
+        """Replace the density by the mean of solids where they coincide."""
+        density = solids.mixed(self.density, self.box)
+        return replace(self, density=density, volume=self.volume + solids.surplus)
 
     @property
     def low(self) -> NDArray[np.int64]:
