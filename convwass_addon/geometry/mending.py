@@ -142,12 +142,15 @@ def _repair_until_stable(work: _Work, most: Connectivity) -> _Settled:
     """Alternate between repairing and extracting until nothing changes."""
     best = None
     for _ in range(_ROUNDS):
+        level = work.level
         changed = work.mend()
         if best is None or changed:
             drawn = work.drawn()
             if best is None or drawn.found.beyond(most) < best.mending.found.beyond(most):
                 best = _Settled(drawn, work.density)
-        if not changed or best.mending.found.beyond(most) == _NOTHING:
+        # The first level is only an estimate; at that of the extracted surface, there may be defects that it lacks.
+        stable = not changed and work.level == level
+        if stable or best.mending.found.beyond(most) == _NOTHING:
             break
         if best.density is work.density:
             work.density = work.density.copy()
