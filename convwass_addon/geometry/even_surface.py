@@ -34,6 +34,9 @@ _MUCH_MISSING, _SHIFTS = 5e-3, 6
 _MARGIN = 3
 # Samples whose density differs from the level by more than this fraction of it are far from the surface.
 _FAR = 0.95
+# A quad whose area, projected along its former normal, falls below this fraction counts as flipped. Fragments of a
+# thousandth of a cell shrink to less and could turn inside out.
+_LEAST_AREA = 0.05
 # Power series of the inverse error function, erfinv(e) = sqrt(pi) / 2 (e + pi / 12 e^3 + ...).
 _SERIES = (1.0, np.pi / 12, 7 * np.pi**2 / 480, 127 * np.pi**3 / 40320, 4369 * np.pi**4 / 5806080)
 # Diagonals of a quad with at least this ratio of lengths count as equally long; the first one is then chosen.
@@ -95,7 +98,7 @@ def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.f
     """Return the moved points of a dual and the outward unit normals of the field there, both (n, 3).
 
     Points without a nearby surface, as on tips and fragments that are too small for the field, are only moved to the
-    mean of their neighbors. Points that would flip a quad are not moved. The normals of both are zero.
+    mean of their neighbors. Points that would flip or collapse a quad are not moved. The normals of both are zero.
     """
     low, high = dual.cubes - _LEEWAY, dual.cubes + (1.0 + _LEEWAY)
     middles = _Middles(dual)
@@ -109,7 +112,8 @@ def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.f
     points, normals, _ = _projected(relaxed, field, low, high)
     points[~found], normals[~found] = relaxed[~found], 0.0
     before, after = (_area_vectors(at, dual.quads) for at in (dual.points, points))
-    turned = dual.quads[np.einsum("nd,nd->n", before, after) < 0.0]
+    remaining, former = (np.einsum("nd,nd->n", before, vectors) for vectors in (after, before))
+    turned = dual.quads[remaining < _LEAST_AREA * former]
     points[turned], normals[turned] = dual.points[turned], 0.0
     return points, normals
 
