@@ -14,6 +14,7 @@ from convwass_addon.applications.outlines.revolved_motion import motion_with_par
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
+from convwass_addon.geometry.revolved_bodies import common_revolved_bodies
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
 from tests.applications.motions.test_known_motions import known_motion
@@ -41,9 +42,12 @@ def coarse():
         yield
 
 
+def pair(*shapes, kind="automatic", coherence=0.5):
+    return MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, coherence)
+
+
 def choice(*shapes, kind="automatic", coherence=0.5):
-    request = MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, coherence)
-    return drained(MOTIONS.chosen(request, UNINTERRUPTED))
+    return drained(MOTIONS.chosen(pair(*shapes, kind=kind, coherence=coherence), UNINTERRUPTED))
 
 
 def test_a_cone_that_grows_stays_a_cone():
@@ -167,19 +171,57 @@ def test_parts_are_lent_only_to_shapes_that_are_reached():
         assert piece_count(moved.mesh) == pieces
 
 
-def two_pegs(first, second):
-    return MotionRequest([first, second], ["one", "other"], [(0, 1)], "automatic", 0.5)
+def bulging(mesh, height):
+    """A shape with a flat bulge on the side +x, over about 100 degrees."""
+    angles = np.degrees(np.arctan2(mesh.vertices[:, 1], mesh.vertices[:, 0]))
+    shares = ((70.0 - np.abs(angles)) / 25.0).clip(0.0, 1.0)
+    radii = np.hypot(*mesh.vertices[:, :2].T)
+    factors = 1.0 + height * shares**2 * (3.0 - 2.0 * shares) / np.maximum(radii, 0.2)
+    return TriangleMesh(mesh.vertices * np.column_stack([factors, factors, np.ones_like(factors)]), mesh.faces)
+
+
+@pytest.mark.parametrize("second", [0, 1])
+def test_a_bulge_is_no_attached_part(second):
+    """It would crumple while it retracts."""
+    shapes = (bulging(PIN, 0.05), CONE)[:: -1 if second else 1]
+    assert common_revolved_bodies(shapes) is not None
+    assert revolved_motion(pair(*shapes), UNINTERRUPTED) is None
+
+
+def stemmed(lean):
+    """A ball with a stem whose upper end leans away from the axis."""
+    arc = np.radians(np.linspace(-90.0, 73.0, 30))
+    stem = [(0.29, 0.98), (0.15, 1.0), (0.15, 1.25), (0.15, 1.5), (0.15, 1.75), (0.0, 1.75)]
+    ball = revolved([*np.column_stack([np.cos(arc), np.sin(arc)]), *stem])
+    heights = (ball.vertices[:, 2] - 1.0).clip(0.0)
+    return TriangleMesh(ball.vertices + np.outer(lean * heights, (1.0, 0.0, 0.0)), ball.faces)
+
+
+def test_a_stem_that_leans_is_no_attached_part():
+    """It would retract while that of the other shape grows."""
+    assert revolved_motion(pair(stemmed(0.0), CONE), UNINTERRUPTED) is not None
+    leaning = pair(stemmed(0.4), CONE)
+    assert not common_revolved_bodies(leaning.shapes)[1][0].is_whole
+    assert revolved_motion(leaning, UNINTERRUPTED) is None
+
+
+def test_a_handle_over_the_axis_retracts():
+    """It stands on both sides of the axis."""
+    solid = revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 1.5), (0.0, 1.5)])
+    ring = rotated(torus(0.6, 0.08), (np.pi / 2.0, 0.0, 0.0)).moved((0.0, 0.0, 1.5))
+    found = revolved_motion(pair(joined(solid, ring), CONE), UNINTERRUPTED)
+    assert found.reason == "OUTLINES"
 
 
 def test_two_handles_are_left_to_the_map():
-    assert revolved_motion(two_pegs(PEGGED, PEGGED), UNINTERRUPTED) is None
+    assert revolved_motion(pair(PEGGED, PEGGED), UNINTERRUPTED) is None
 
 
 def test_of_two_handles_one_retracts_while_the_other_grows():
     """Where the map would take them into the body on the way."""
     peg, other_peg = box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9)), box((0.84, 0.4, 0.4), (-2.24, 0.0, 1.8))
     shapes = [joined(CUP, peg), joined(LARGE_CUP, other_peg)]
-    motion = motion_with_parts(two_pegs(*shapes), known_motion(shapes), UNINTERRUPTED).motion
+    motion = motion_with_parts(pair(*shapes), known_motion(shapes), UNINTERRUPTED).motion
     # At the height of the pegs, the wall is at 0.92 of the radius.
     reaches = np.array([peg.bounds[1, 0] - 0.92, -other_peg.bounds[0, 0] - 1.84])
     for time in TIMES:
@@ -194,7 +236,7 @@ def test_a_handle_that_becomes_another_one_follows_the_map():
     """Up the wall, where sections alone would not take it."""
     peg, other_peg = box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9)), box((0.84, 0.4, 0.4), (2.32, 0.0, 2.4))
     shapes = [joined(CUP, peg), joined(LARGE_CUP, other_peg)]
-    motion = motion_with_parts(two_pegs(*shapes), known_motion(shapes), UNINTERRUPTED).motion
+    motion = motion_with_parts(pair(*shapes), known_motion(shapes), UNINTERRUPTED).motion
     for time in TIMES:
         moved = motion.moved([1.0 - time, time])
         out, _, top = (1.0 - time) * peg.bounds[1] + time * other_peg.bounds[1]
@@ -209,7 +251,7 @@ def test_a_handle_follows_the_map_around_the_body():
     """Evenly, although the map turns the bodies, which stay as they are."""
     one = joined(CUP, box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9)))
     shapes = [one, rotated(one, (0.0, 0.0, 0.6))]
-    motion = motion_with_parts(two_pegs(*shapes), known_motion(shapes), UNINTERRUPTED).motion
+    motion = motion_with_parts(pair(*shapes), known_motion(shapes), UNINTERRUPTED).motion
     for time in (0.01, 0.25, 0.75):
         for own in motion.moved([1.0 - time, time]):
             tip = own.vertices[np.hypot(*own.vertices[:, :2].T) > 1.5].mean(axis=0)
@@ -217,7 +259,7 @@ def test_a_handle_follows_the_map_around_the_body():
 
 
 def test_one_handle_needs_no_map():
-    assert motion_with_parts(two_pegs(PEGGED, LARGE_CUP), known_motion([CUP, CUP]), UNINTERRUPTED) is None
+    assert motion_with_parts(pair(PEGGED, LARGE_CUP), known_motion([CUP, CUP]), UNINTERRUPTED) is None
 
 
 def test_the_user_may_ask_for_it():

@@ -102,7 +102,7 @@ class RevolvedShape:
         directions, axis = (away * (1.0, 0.0, 1.0)) @ frame, frame[1]
         attached = AttachedParts.none(len(points))
         if not found.is_whole:
-            attached = AttachedParts.of(divided.mesh, np.linalg.norm(offsets, axis=1), directions, axis)
+            attached = AttachedParts.of(divided.mesh, np.linalg.norm(offsets, axis=1), radii, directions, axis)
         return cls(divided, radii, ProfilePoints.of(places, section), shares, offsets, attached, directions, axis)
 
     @property
