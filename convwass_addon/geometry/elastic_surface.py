@@ -237,7 +237,7 @@ class _SpringSystem:
             return (self.matrix @ moved + np.einsum("nij,nj->ni", self.springs, moved)).ravel()
 
         def precondition(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-            return nearly.solve(np.ascontiguousarray(vector.reshape(count, 3).T)).T.ravel()
+            return nearly.solve_columns(vector.reshape(count, 3)).ravel()
 
         shape = (3 * count, 3 * count)
         found, missing = cg(

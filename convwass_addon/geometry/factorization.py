@@ -32,8 +32,11 @@ class Factorization(Protocol):
     name: str
     factor_bytes: int | None
 
-    def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
+    def solve(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every row, (k, n) in and out, C-contiguous."""
+
+    def solve_columns(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every column, (n, k) in and out, C-contiguous."""
 
 
 def factorize(matrix: csc_array) -> Factorization:
@@ -86,10 +89,14 @@ class CholmodSupernodal:
         except CholmodNotPositiveDefiniteError as error:
             raise FactorizationError("The matrix is not positive definite.") from error
 
-    def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
+    def solve(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every row, (k, n) in and out, C-contiguous."""
         # Fortran order on both sides avoids copies.
-        return self._factor(columns.T).T
+        return self._factor(rows.T).T
+
+    def solve_columns(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every column, (n, k) in and out, C-contiguous."""
+        return np.ascontiguousarray(self._factor(np.asfortranarray(columns)))
 
 
 class CholmodSimplicial:
@@ -106,15 +113,19 @@ class CholmodSimplicial:
         except ValueError as error:
             raise FactorizationError("The matrix is not positive definite.") from error
 
-    def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
-        right = np.ascontiguousarray(columns.T)
+    def solve(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every row, (k, n) in and out, C-contiguous."""
+        return np.ascontiguousarray(self.solve_columns(rows.T).T)
+
+    def solve_columns(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every column, (n, k) in and out, C-contiguous."""
+        right = np.ascontiguousarray(columns)
         solution = np.empty_like(right)
         self._solver.solve(right, solution)
         # cholespy never frees the workspace of its last solve, which is empty for no columns.
         nothing = np.empty((len(right), 0))
         self._solver.solve(nothing, nothing)
-        return np.ascontiguousarray(solution.T)
+        return solution
 
 
 class SuperLU:
@@ -135,13 +146,17 @@ class SuperLU:
         if not (self._factor.solve(np.ones(matrix.shape[0])) > 0).all():
             raise FactorizationError("The matrix is not positive definite.")
 
-    def solve(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return A^-1 of every column, (k, n) in and out, C-contiguous."""
-        # Column by column: with several BLAS threads, SuperLU is many times slower on all columns at once.
-        solution = np.empty_like(columns)
-        for column, target in zip(columns, solution, strict=True):
-            target[...] = self._factor.solve(column)
+    def solve(self, rows: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every row, (k, n) in and out, C-contiguous."""
+        # One by one: with several BLAS threads, SuperLU is many times slower on all at once.
+        solution = np.empty_like(rows)
+        for row, target in zip(rows, solution, strict=True):
+            target[...] = self._factor.solve(row)
         return solution
+
+    def solve_columns(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return A^-1 of every column, (n, k) in and out, C-contiguous."""
+        return np.ascontiguousarray(self.solve(np.ascontiguousarray(columns.T)).T)
 
 
 FACTORIZATIONS: dict[str, Callable[[csc_matrix], Factorization]] = {

@@ -157,10 +157,10 @@ def _inverse_hessian(
     for change, difference, curvature in reversed(steps):
         shares.append(float((change * result).sum()) / curvature)
         result -= shares[-1] * difference
-    result = inner.solve(np.ascontiguousarray(result.T)).T
+    result = inner.solve_columns(result)
     if steps:
         _, difference, curvature = steps[-1]
-        smooth = inner.solve(np.ascontiguousarray(difference.T)).T
+        smooth = inner.solve_columns(difference)
         result *= curvature / float((difference * smooth).sum())
     for (change, difference, curvature), share in zip(steps, reversed(shares), strict=True):
         result += (share - float((difference * result).sum()) / curvature) * change

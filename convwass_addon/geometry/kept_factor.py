@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
@@ -40,13 +38,8 @@ class KeptFactor:
             Initial guess.
         """
         if self._factor is not None:
-            apply = partial(_solved, self._factor)
-            found = conjugate_gradients(matrix, apply, right, start, _ERROR, _MOST_ITERATIONS)
+            found = conjugate_gradients(matrix, self._factor.solve_columns, right, start, _ERROR, _MOST_ITERATIONS)
             if found is not None:
                 return found
         self._factor = factorize(matrix)
-        return _solved(self._factor, right)
-
-
-def _solved(factor: Factorization, right: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.ascontiguousarray(factor.solve(np.ascontiguousarray(right.T)).T)
+        return self._factor.solve_columns(right)

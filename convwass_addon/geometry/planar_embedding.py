@@ -39,8 +39,7 @@ def embedded(points: NDArray[np.float64], disc: MeshDisc, places: NDArray[np.flo
         rows = weights[inner]
         totals = np.asarray(rows.sum(axis=1)).ravel()
         system = csc_array(diags_array(totals) - rows[:, inner])
-        pull = rows[:, disc.rim] @ places
-        found[inner] = factorize(system).solve(np.ascontiguousarray(pull.T)).T
+        found[inner] = factorize(system).solve_columns(rows[:, disc.rim] @ places)
     return found
 
 

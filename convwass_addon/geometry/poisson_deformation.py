@@ -176,7 +176,7 @@ class PoissonDeformation:
             for axis in range(3):
                 right[:, axis] += np.bincount(one, pulls[:, axis], len(right))
                 right[:, axis] -= np.bincount(other, pulls[:, axis], len(right))
-        return np.ascontiguousarray(self._factor.solve(np.ascontiguousarray(right.T)).T)
+        return self._factor.solve_columns(right)
 
     def _system(self) -> csc_array:
         count = len(self.mesh.vertices)

@@ -121,7 +121,7 @@ class SolidBlend:
         right = self._sums @ pulls.reshape(-1, 3) + self._held[:, None] * middle
         if self._factor is None:
             self._factor = factorize(self._system())
-        return self._factor.solve(np.ascontiguousarray(right.T)).T
+        return self._factor.solve_columns(right)
 
     def _stretched(self, root: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the summed edges at the corners of every cell, (c, 8, 3), after the squares of some stretches."""

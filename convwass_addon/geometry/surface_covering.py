@@ -80,4 +80,4 @@ def _step(
     staying = np.where(is_there, _STAYING, 0.0) + _LEAST + pulled.sum(axis=1)
     smoothness = _SMOOTHNESS * edge_laplacian(mesh.faces, np.sqrt(np.where(is_there, 1.0, _WALLS)))
     system = csc_array(smoothness + diags_array(staying))
-    return factorize(system).solve(np.ascontiguousarray((pulled @ missing).T)).T
+    return factorize(system).solve_columns(pulled @ missing)

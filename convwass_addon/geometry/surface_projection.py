@@ -79,4 +79,4 @@ def _solved(matrix: csc_array, right: NDArray[np.float64], control: Control) -> 
         found = solved_by_gradients(matrix, right, _MOST_ITERATIONS, control)
         if found is not None:
             return found
-    return np.ascontiguousarray(factorize(matrix).solve(np.ascontiguousarray(right.T)).T)
+    return factorize(matrix).solve_columns(right)

@@ -78,15 +78,15 @@ def test_missing_libraries_are_named(monkeypatch, missing):
 
 def test_solutions_satisfy_the_equation(only):
     matrix = heat_equation(torus(), 1e-3)
-    columns = np.random.default_rng(0).standard_normal((3, 48 * 24))
-    kept = columns.copy()
+    rows = np.random.default_rng(0).standard_normal((3, 48 * 24))
+    kept = rows.copy()
     factor = factorize(matrix)
     assert factor.name == only
-    solution = factor.solve(columns)
-    assert solution.shape == columns.shape
+    solution = factor.solve(rows)
+    assert solution.shape == rows.shape
     assert solution.flags.c_contiguous
-    np.testing.assert_array_equal(columns, kept)
-    np.testing.assert_allclose((matrix @ solution.T).T, columns, atol=1e-12)
+    np.testing.assert_array_equal(rows, kept)
+    np.testing.assert_allclose((matrix @ solution.T).T, rows, atol=1e-12)
 
 
 @pytest.mark.parametrize("time", [1e-2, 1e-5, 1e-20, 1e-28])
@@ -102,23 +102,35 @@ def test_the_tail_is_accurate_to_many_digits(only, time):
         assert expected.min() < np.log(1e-200)
 
 
-def test_all_agree_on_many_columns(only):
+def test_all_agree_on_many_rows(only):
     matrix = heat_equation(torus(segments=(60, 30)), 1e-9)
-    columns = np.eye(16, 60 * 30)
-    found, reference = factorize(matrix).solve(columns), SuperLU(csc_matrix(matrix)).solve(columns)
+    rows = np.eye(16, 60 * 30)
+    found, reference = factorize(matrix).solve(rows), SuperLU(csc_matrix(matrix)).solve(rows)
     assert found.min() > 0
     assert np.log(found).min() < np.log(1e-40)
     np.testing.assert_allclose(found, reference, rtol=1e-12)
 
 
 @pytest.mark.parametrize("count", [1, 2, 64, 130])
-def test_many_columns_equal_single_columns(only, count):
+def test_many_rows_equal_single_rows(only, count):
     factor = factorize(heat_equation(torus(segments=(12, 8)), 1e-3))
-    columns = np.random.default_rng(count).random((count, 96))
-    together = factor.solve(columns)
-    one_by_one = np.concatenate([factor.solve(column[None]) for column in columns])
+    rows = np.random.default_rng(count).random((count, 96))
+    together = factor.solve(rows)
+    one_by_one = np.concatenate([factor.solve(row[None]) for row in rows])
     np.testing.assert_allclose(together, one_by_one, rtol=1e-12)
-    np.testing.assert_array_equal(factor.solve(np.asfortranarray(columns)), together)
+    np.testing.assert_array_equal(factor.solve(np.asfortranarray(rows)), together)
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_columns_are_solved_as_rows_are(only, count):
+    factor = factorize(heat_equation(torus(segments=(12, 8)), 1e-3))
+    columns = np.random.default_rng(count).random((96, count))
+    kept = columns.copy()
+    solution = factor.solve_columns(columns)
+    assert solution.flags.c_contiguous
+    np.testing.assert_array_equal(columns, kept)
+    np.testing.assert_array_equal(solution, factor.solve(columns.T).T)
+    np.testing.assert_array_equal(factor.solve_columns(np.asfortranarray(columns)), solution)
 
 
 def in_halves(matrix, index_dtype):

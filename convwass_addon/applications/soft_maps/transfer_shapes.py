@@ -109,7 +109,7 @@ class ShapeCarrier:
         result = np.zeros_like(moved)
         if len(free):
             system = diags_array(held[free]) + self.energy.stiffness[free][:, free]
-            result[free] = factorize(csc_array(system)).solve(np.ascontiguousarray(right[free].T)).T
+            result[free] = factorize(csc_array(system)).solve_columns(right[free])
         return result
 
     @cached_property
