@@ -12,6 +12,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import dijkstra
 
 from .edges import edge_lengths, vertex_components
+from .far_points import far_points
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 from .point_tree import point_tree
@@ -64,7 +65,7 @@ class SurfaceSamples:
         """
         labels = vertex_components(mesh)
         used = np.flatnonzero(labels >= 0)
-        seeds = used[_farthest_points(mesh.vertices[used], min(count, len(used)))]
+        seeds = used[far_points(mesh.vertices[used], min(count, len(used)), _EQUAL)]
         size = float(np.sqrt(mesh.area))
         pairs = point_tree(mesh.vertices[seeds]).query_pairs(reach * size, output_type="ndarray").astype(np.int64)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
@@ -73,17 +74,6 @@ class SurfaceSamples:
         kept[~apart] = _inside_solid(mesh, seeds[pairs[~apart]], _OUTSIDE * size)
         blend = _blended(mesh, seeds)
         return cls(seeds, blend.T @ mesh.vertex_areas, pairs[kept], blend)
-
-
-def _farthest_points(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Return the indices of points chosen by farthest-point sampling; the first one wins ties."""
-    apart = np.square(points - points.mean(axis=0)).sum(axis=1)
-    chosen: list[int] = []
-    for _ in range(count):
-        chosen.append(int(np.argmax(apart >= (1.0 - _EQUAL) * apart.max())))
-        own = np.square(points - points[chosen[-1]]).sum(axis=1)
-        apart = own if len(chosen) == 1 else np.minimum(apart, own)
-    return np.array(chosen, np.int64)
 
 
 def _inside_solid(mesh: TriangleMesh, ends: NDArray[np.int64], outside: float) -> NDArray[np.bool_]:

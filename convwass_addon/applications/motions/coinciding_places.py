@@ -14,9 +14,9 @@ from scipy.spatial import cKDTree
 
 from ...geometry.components import component_labels
 from ...geometry.edges import mesh_edges
+from ...geometry.far_points import far_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
-from ..soft_maps.guessed_pairs import far_apart
 
 # Chosen by eye; `python3 run.py bench coherence` measures the effect.
 # Points coincide if their distance is at most this fraction of the surface's size (the square root of its area) or the
@@ -52,7 +52,7 @@ def _found(
     places = np.flatnonzero(region)
     if first.vertex_areas @ region < _LEAST_SHARE * first.area or len(places) < _PAIRS:
         return np.empty((0, 2), np.int64)
-    chosen = places[far_apart(points[places], _PAIRS)]
+    chosen = places[far_points(points[places], _PAIRS)]
     partners, once = np.unique(nearest[chosen], return_index=True)
     return np.stack([chosen[once], partners], axis=1)
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...geometry.far_points import far_points
 from ...geometry.rotations import best_turn
 from .map_pieces import PieceMatch
 from .map_sides import MapSide
@@ -43,17 +44,7 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
     spread = other - other.mean(axis=0)
     size = np.sqrt(np.square(aligned).sum(axis=1).mean())
     aligned *= np.sqrt(np.square(spread).sum(axis=1).mean()) / max(size, np.finfo(float).tiny)
-    chosen = far_apart(aligned, min(_PAIRS, len(aligned), len(spread)))
+    chosen = far_points(aligned, min(_PAIRS, len(aligned), len(spread)))
     nearest = cKDTree(spread).query(aligned[chosen])[1]
     _, first = np.unique(nearest, return_index=True)
     return np.stack([match.source[chosen[first]], match.target[nearest[first]]], axis=1)
-
-
-def far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    """Return the indices of points chosen by farthest-point sampling, (count,)."""
-    chosen = [int(np.square(points - points.mean(axis=0)).sum(axis=1).argmax())]
-    apart = np.full(len(points), np.inf)
-    while len(chosen) < count:
-        apart = np.minimum(apart, np.square(points - points[chosen[-1]]).sum(axis=1))
-        chosen.append(int(apart.argmax()))
-    return np.array(chosen)
