@@ -7,14 +7,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..progress import UNINTERRUPTED, Control
+from .coarse_cells import CoarseCells
 from .connectivity import Connectivity
 from .edges import edge_use, face_components, topology
 from .mesh import TriangleMesh
 from .welding import welded
 from .winding import lattice_winding
 
-# Cells along the longest side of the lattice used to detect overlaps, and empty cells around it.
-_CELLS, _MARGIN = 64, 2
 # A component may overlap itself in this fraction of its volume, as where skin folds in an armpit. A larger overlap may
 # be an intended connection, as of the ends of a bent tube.
 _FOLDED = 5e-3
@@ -55,10 +54,7 @@ def mesh_connectivity(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> C
 
 
 def _overlapping_share(mesh: TriangleMesh, control: Control) -> float:
-    """Return the fraction of filled cells of a coarse lattice with a winding number above one."""
-    extent = np.ptp(mesh.bounds, axis=0)
-    spacing = float(extent.max()) / _CELLS
-    cells = np.ceil(extent / spacing).astype(int) + 2 * _MARGIN
-    origin = mesh.bounds.mean(axis=0) - cells * spacing / 2
-    winding = lattice_winding((mesh.corners - origin) / spacing, tuple(int(count) for count in cells), control)
+    """Return the fraction of filled cells of a coarse grid with a winding number above one."""
+    cells = CoarseCells.around(mesh)
+    winding = lattice_winding(cells.corners, cells.shape, control)
     return float((winding > 1.5).sum() / max((winding > 0.5).sum(), 1))

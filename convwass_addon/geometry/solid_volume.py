@@ -6,14 +6,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from .coarse_cells import CoarseCells
 from .edges import edge_use
 from .mesh import TriangleMesh
 from .occupancy import occupancy
 
-# Cells along the longest side; a mesh takes about 0.1 s of CPU time.
-_RESOLUTION = 64
-# Empty cells around the mesh, required by `occupancy`.
-_MARGIN = 2
 # Largest relative difference that the discretization of `occupancy`, a quarter of a cell, causes in the volume.
 _AGREEING = 0.02
 
@@ -41,9 +38,6 @@ def solid_volume(mesh: TriangleMesh) -> float:
 
 
 def _occupied(mesh: TriangleMesh) -> float:
-    extent = np.ptp(mesh.bounds, axis=0)
-    spacing = float(extent.max()) / _RESOLUTION
-    cells = np.ceil(extent / spacing).astype(int) + 2 * _MARGIN
-    origin = mesh.bounds.mean(axis=0) - cells * spacing / 2
-    filled = occupancy((mesh.corners - origin) / spacing, tuple(int(count) for count in cells))
-    return float(filled.sum(dtype=np.float64)) * spacing**3
+    # A mesh takes about 0.1 s of CPU time.
+    cells = CoarseCells.around(mesh)
+    return float(occupancy(cells.corners, cells.shape).sum(dtype=np.float64)) * cells.spacing**3
