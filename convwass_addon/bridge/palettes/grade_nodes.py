@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.palettes.lookup_table import LookupTable
+from ..data_images import data_image
 from ..last_result import last_result
 from ..node_math import feed, math_node, mixed, new_node
 from ..unused_data import remove_if_unused
@@ -47,7 +48,7 @@ def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.No
     """
     group = _emptied_group(name, source)
     tiles = _Tiles(len(table.colors))
-    grade = _Grade(group, tiles, _table_image(table, tiles, name))
+    grade = _Grade(group, tiles, data_image(name, tiles.laid_out(table.colors)))
     came_in = group.nodes.new("NodeGroupInput").outputs["Image"]
     encoded, alpha = grade.encoded(came_in)
     lows, spans = table.lowest.tolist(), (table.highest - table.lowest).tolist()
@@ -106,23 +107,15 @@ class _Tiles:
         return ceil(self.size / self.columns)
 
     def laid_out(self, colors: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return the pixels of the image, (height, width, 4)."""
+        """Return the colors of the pixels of the image, (height, width, 3)."""
         size = self.size
-        pixels = np.ones((self.rows * size, self.columns * size, 4), dtype=np.float32)
+        # Tiles that are left over are white.
+        pixels = np.ones((self.rows * size, self.columns * size, 3), dtype=np.float32)
         for blue in range(size):
             row, column = divmod(blue, self.columns)
             tile = colors[:, :, blue].transpose(1, 0, 2)
-            pixels[row * size : (row + 1) * size, column * size : (column + 1) * size, :3] = tile
+            pixels[row * size : (row + 1) * size, column * size : (column + 1) * size] = tile
         return pixels
-
-
-def _table_image(table: LookupTable, tiles: _Tiles, name: str) -> bpy.types.Image:
-    pixels = tiles.laid_out(table.colors)
-    image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0], alpha=False, float_buffer=True, is_data=True)
-    image.pixels.foreach_set(pixels.ravel())
-    image.update()
-    image.pack()
-    return image
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from ...applications.reflectance.table_pictures import has_table_size, table_of_
 from ...applications.whole_paths import whole_path
 from ...drafts import written_whole
 from ...errors import InputError
+from ..data_images import data_image
 from ..files import checked_target
 from ..image_files import opened_image, pixel_values
 from .exr_header import exr_size
@@ -36,19 +37,7 @@ def lobe_image(name: str, tables: Sequence[NDArray[np.float32]]) -> bpy.types.Im
     tables : sequence of (64, 256, 3) float32
         f in 1/sr, as returned by :func:`..applications.reflectance.lobe_lookup.half_angle_table`.
     """
-    stack = np.concatenate(tables)
-    image = bpy.data.images.new(name, stack.shape[1], stack.shape[0], alpha=False, float_buffer=True, is_data=True)
-    fill_image(image, stack)
-    return image
-
-
-def fill_image(image: bpy.types.Image, values: NDArray[np.float32]) -> None:
-    """Write values, (height, width, 3), to a float image of that size, and pack it."""
-    rgba = np.ones((*values.shape[:2], 4), dtype=np.float32)
-    rgba[..., :3] = values
-    image.pixels.foreach_set(rgba.ravel())
-    image.update()
-    image.pack()
+    return data_image(name, np.concatenate(tables))
 
 
 def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
@@ -72,10 +61,8 @@ def write_table_exr(path: Path, table: LobeTable) -> Path:
 def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
     """Write values, (height, width, 3), from the bottom row up."""
     target = checked_target(path)
-    height, width = values.shape[:2]
-    image = bpy.data.images.new("Lobes", width, height, alpha=False, float_buffer=True, is_data=True)
+    image = data_image("Lobes", values)
     try:
-        fill_image(image, values)
         image.file_format = "OPEN_EXR"
         with written_whole(target) as draft:
             image.filepath_raw = str(draft)

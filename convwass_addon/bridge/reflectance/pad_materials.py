@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..data_images import data_image
 from ..unused_data import remove_if_unused
-from .lobe_images import fill_image
 from .lobe_materials import (
     RESULT_OF,
     PrincipledFit,
@@ -137,8 +137,7 @@ def _read(
     before, texture.image = texture.image, None
     if is_own(before):
         remove_if_unused([before])
-    image = bpy.data.images.new(name, side, side, alpha=False, float_buffer=True, is_data=True)
-    fill_image(image, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
+    image = data_image(name, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
     image[RESULT_OF] = True
     texture.image = image
     if is_new:
