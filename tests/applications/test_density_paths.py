@@ -263,7 +263,8 @@ def test_invalid_paths_are_refused(groups, names, options, message):
 
 
 @pytest.mark.parametrize(
-    ("shares", "message"), [([1.0], "1 weights"), ([1, -1], "positive"), ([0, 0], "zero"), ([1, np.nan], "positive")]
+    ("shares", "message"),
+    [([1.0], "2 inputs, but there are 1"), ([1, -1], "positive"), ([0, 0], "zero"), ([1, np.nan], "positive")],
 )
 def test_blends_need_weights(shares, message):
     with pytest.raises(InputError, match=message):

@@ -271,7 +271,7 @@ def test_a_single_blend_is_scaled_to_sum_one():
         (lambda: grid_blends(3, 4), "four shapes"),
         (lambda: triangle_blends(4, 4), "three shapes"),
         (lambda: grid_blends(4, 1), "at least 2"),
-        (lambda: single_blend([1], 2), "1 weights"),
+        (lambda: single_blend([1], 2), "2 inputs, but there are 1"),
         (lambda: single_blend([1, -1], 2), "positive"),
         (lambda: single_blend([0, 0], 2), "zero"),
         (lambda: single_blend([1, float("nan")], 2), "positive numbers"),

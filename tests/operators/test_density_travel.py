@@ -290,7 +290,7 @@ def test_damaged_names_of_results_protect_all_groups(obj, damage):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"weights": "1"}, "2 groups and 1 weights"),
+        ({"weights": "1"}, "each of the 2 inputs, but there are 1"),
         ({"weights": "0, 0"}, "All weights are zero"),
         ({"weights": "-1, 2"}, "zero or positive"),
     ],

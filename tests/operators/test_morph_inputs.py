@@ -189,7 +189,7 @@ def test_names_with_commas_are_on_separate_lines(shapes):
         ({"inputs": "A, Nobody"}, "no object named Nobody"),
         ({"inputs": "A"}, "Select at least two shapes"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "1, x"}, "Weights must be numbers"),
-        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, 2, 3"}, "2 shapes but 3 weights"),
+        ({"inputs": "A, B", "layout": "BLEND", "weights": "1, 2, 3"}, "each of the 2 inputs, but there are 3"),
         ({"inputs": "A, B", "layout": "BLEND", "weights": "0, 0"}, "All weights are zero"),
     ],
 )

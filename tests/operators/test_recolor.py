@@ -117,7 +117,7 @@ def test_missing_input_is_reported(own):
         call("recolor_image", image="Red")
     own.mask = None
     own.weight = 0.0
-    with pytest.raises(RuntimeError, match="not all of them 0"):
+    with pytest.raises(RuntimeError, match="All weights are zero"):
         call("recolor_image", image="Red")
     own.palette = None
     with pytest.raises(RuntimeError, match="Choose a palette"):

@@ -17,6 +17,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Surface, barycenter, interpolate
 from ...transport.sharpening import entropy, entropy_between
+from ..blend_weights import normalized_weights
 from ..workers import one_blas_thread
 from .density_frames import DensityFrames, comparable, joined_frames, record
 from .density_legs import Leg
@@ -132,7 +133,7 @@ def blend_steps(
     InputError, ResourceError
         Before the work starts: invalid densities, shares or settings.
     """
-    alphas = _shares(shares, names)
+    alphas = normalized_weights(shares, len(names))
     densities = comparable(weights, names, surface, settings)
     check_frames_memory(surface, 1, edges=len(densities))
     yield from preparing_levels(surface)
@@ -194,15 +195,3 @@ def _key_times(key_times: ArrayLike | None, count: int) -> NDArray[np.float64]:
     if not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise InputError("Key times must be numbers, each later than the one before.")
     return times
-
-
-def _shares(shares: Sequence[float], names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the weights of a blend, normalized to sum 1."""
-    alphas = np.asarray(shares, dtype=np.float64)
-    if alphas.shape != (len(names),):
-        raise InputError("There are {groups} groups and {weights} weights.", groups=len(names), weights=alphas.size)
-    if not np.isfinite(alphas).all() or (alphas < 0).any():
-        raise InputError("Weights must be zero or positive numbers.")
-    if not alphas.sum() > 0:
-        raise InputError("All weights are zero; give at least one group some weight.")
-    return alphas / alphas.sum()

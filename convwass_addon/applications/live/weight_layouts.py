@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..blend_weights import one_for_each, require_positive
 
 Node = tuple[int, ...]
 # Shares below this are due to rounding.
@@ -96,18 +97,11 @@ def checked_weights(weights: Sequence[float], count: int) -> NDArray[np.float64]
     InputError
         The number of weights differs from that of shapes, or they are not finite, or none is positive.
     """
-    values = np.asarray(weights, np.float64)
-    if values.shape != (count,):
-        raise InputError(
-            "There are {count} shapes but {given} weights; give one weight per shape.",
-            count=count,
-            given=int(values.size),
-        )
+    values = one_for_each(weights, count)
     if not np.isfinite(values).all():
         raise InputError("Weights must be finite numbers.")
     values = np.maximum(values, 0.0)
-    if values.max() <= 0.0:
-        raise InputError("All weights are zero; give at least one shape some weight.")
+    require_positive(values)
     # Normalized twice, so that very large weights do not overflow.
     values /= values.max()
     return values / values.sum()

@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from ...errors import InputError
+from ..blend_weights import normalized_weights
 
 
 @dataclass(frozen=True)
@@ -114,18 +115,7 @@ def single_blend(weights: Sequence[float], count: int) -> list[Blend]:
     InputError
         The number of weights differs from that of shapes, or weights are negative or all zero.
     """
-    values = np.asarray(weights, dtype=np.float64)
-    if values.shape != (count,):
-        raise InputError(
-            "There are {count} shapes but {given} weights; give one weight per shape.",
-            count=count,
-            given=int(values.size),
-        )
-    if not np.isfinite(values).all() or (values < 0).any():
-        raise InputError("Weights must be zero or positive numbers.")
-    if values.sum() <= 0:
-        raise InputError("All weights are zero; give at least one shape some weight.")
-    return [Blend(tuple(float(w) for w in values / values.sum()))]
+    return [Blend(tuple(normalized_weights(weights, count).tolist()))]
 
 
 def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:

@@ -14,6 +14,7 @@ from ...errors import InputError
 from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
+from ..blend_weights import require_positive
 from .palette_settings import RecolorSettings
 from .palette_statistics import Palette
 from .pixel_blocks import recolored_blocks
@@ -163,9 +164,8 @@ def matched(
     InputError
         Pictures without colors, invalid weights, or palettes that could not be matched.
     """
+    require_positive(np.asarray(weights))
     used = [place for place, weight in enumerate(weights) if weight > 0]
-    if not used:
-        raise InputError("Weights must be 0 or more, and not all of them 0.")
     measured = []
     for place in used:
         control.check()

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control
+from ..blend_weights import normalized_weights
 from .chroma_map import ChromaMap, chroma_barycenter, chroma_map
 from .lab_colors import lab_of_linear, linear_of_lab
 from .lightness_curve import LightnessCurve, lightness_curve
@@ -137,7 +138,9 @@ def palette_barycenter(
     InputError
         No palette, or invalid weights.
     """
-    alphas = _checked_weights(len(palettes), weights)
+    if not palettes:
+        raise InputError("There is no palette; choose an image that has the desired colors.")
+    alphas = normalized_weights(np.ones(len(palettes)) if weights is None else weights, len(palettes))
     chosen = [palette for palette, alpha in zip(palettes, alphas, strict=True) if alpha > 0]
     alphas = alphas[alphas > 0]
     if len(chosen) == 1:
@@ -145,17 +148,6 @@ def palette_barycenter(
     chroma = chroma_barycenter([palette.chroma for palette in chosen], alphas, control)
     lightness = alphas @ np.array([palette.lightness for palette in chosen])
     return Palette(chroma, lightness, float(alphas @ [palette.mass for palette in chosen]))
-
-
-def _checked_weights(count: int, weights: Sequence[float] | None) -> NDArray[np.float64]:
-    if not count:
-        raise InputError("There is no palette; choose an image that has the desired colors.")
-    alphas = np.ones(count) if weights is None else np.asarray(weights, dtype=np.float64)
-    if alphas.shape != (count,):
-        raise InputError("There must be one weight for each of the {count} palettes.", count=count)
-    if not np.isfinite(alphas).all() or alphas.min() < 0 or alphas.max() == 0:
-        raise InputError("Weights must be 0 or more, and not all of them 0.")
-    return alphas / alphas.sum()
 
 
 def _reduce_chroma(lab: NDArray[np.floating], lowest: NDArray[np.floating], highest: float) -> None:

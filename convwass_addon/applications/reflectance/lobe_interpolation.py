@@ -17,6 +17,7 @@ from ...sentence import Sentence
 from ...transport import Inputs, KernelTooNarrowError, Sphere
 from ...transport.barycenter import Barycenter, barycenter
 from ...transport.sharpening import entropy, sharpening_exponent
+from ..blend_weights import normalized_weights
 from .lobe_table import LobeTable, incoming_directions, tabulated
 from .materials import Material
 from .reflectance_settings import ReflectanceSettings
@@ -238,12 +239,7 @@ def blend_weights(weights: ArrayLike, count: int) -> NDArray[np.float64]:
     InputError
         The wrong number of weights, or weights that are negative, not finite or all zero.
     """
-    alphas = np.asarray(weights, dtype=np.float64)
-    if alphas.shape != (count,):
-        raise InputError("There must be one weight for each of the {count} materials.", count=count)
-    if not np.isfinite(alphas).all() or (alphas < 0).any() or not alphas.any():
-        raise InputError("Weights must be zero or positive numbers, and one of them positive.")
-    alphas = alphas / alphas.sum()
+    alphas = normalized_weights(weights, count)
     alphas[alphas < _NO_WEIGHT] = 0.0
     return alphas / alphas.sum()
 
