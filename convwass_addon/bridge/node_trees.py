@@ -4,9 +4,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 
 import bpy
+
+
+@dataclass(frozen=True)
+class GroupInput:
+    """An input of a node group that users see, such as in a modifier.
+
+    Attributes
+    ----------
+    name : str
+        Its name.
+    kind : str
+        Type of the socket, such as "Float".
+    start : object
+        The initial value; None for that of the type.
+    description : str
+        The tooltip.
+    """
+
+    name: str
+    kind: str
+    start: object
+    description: str
 
 
 def own_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
@@ -23,6 +46,18 @@ def geometry_group(name: str, inputs: Mapping[str, str], outputs: Mapping[str, s
         for label, kind in sockets.items():
             tree.interface.new_socket(label, in_out=in_out, socket_type=f"NodeSocket{kind}")
     return tree
+
+
+def add_inputs(tree: bpy.types.NodeTree, inputs: Iterable[GroupInput]) -> list[bpy.types.NodeTreeInterfaceSocket]:
+    """Add inputs to a node group, and return their sockets."""
+    sockets = []
+    for own in inputs:
+        socket = tree.interface.new_socket(own.name, in_out="INPUT", socket_type=f"NodeSocket{own.kind}")
+        socket.description = own.description
+        if own.start is not None:
+            socket.default_value = own.start
+        sockets.append(socket)
+    return sockets
 
 
 def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:

@@ -10,6 +10,7 @@ import bpy
 
 from ..heat_map import fill_ramp
 from ..node_math import feed, math_node, named_attribute, new_node, pick, stored_attribute, sum_over, switch
+from ..node_trees import GroupInput, add_inputs
 from ..sequence import frame_group, own_geometry
 
 VALUE = "Density"
@@ -57,15 +58,15 @@ def density_tree(name: str, times: Sequence[float]) -> bpy.types.NodeTree:
     """Create the node group that plays the density `name`, with frames at ascending `times` from 0 to 1."""
     tree = frame_group(f"Play {name}")
     tree[DENSITY_KEY] = name
-    for socket, kind, value, description in (
-        (VALUE, "NodeSocketFloat", 0.0, "Progress of the density: 0 is the first frame, 1 the last"),
-        (SCALE, "NodeSocketFloat", 1.0, "Factor of the attribute; at 1 its maximum is 1"),
-        (COLORS, "NodeSocketBool", False, "Write the density as a heat map to a color attribute"),
-    ):
-        item = tree.interface.new_socket(socket, in_out="INPUT", socket_type=kind)
-        item.description, item.default_value = description, value
-        if socket == VALUE:
-            item.subtype, item.min_value, item.max_value = "FACTOR", 0.0, 1.0
+    value, *_ = add_inputs(
+        tree,
+        (
+            GroupInput(VALUE, "Float", 0.0, "Progress of the density: 0 is the first frame, 1 the last"),
+            GroupInput(SCALE, "Float", 1.0, "Factor of the attribute; at 1 its maximum is 1"),
+            GroupInput(COLORS, "Bool", False, "Write the density as a heat map to a color attribute"),
+        ),
+    )
+    value.subtype, value.min_value, value.max_value = "FACTOR", 0.0, 1.0
     fill(tree, name, times)
     return tree
 

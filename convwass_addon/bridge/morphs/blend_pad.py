@@ -19,6 +19,7 @@ from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import vectors_of
 from ..node_math import joined, math_node, new_node, pick, switch
+from ..node_trees import GroupInput, add_inputs
 from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..render_settings import take_render_settings
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, table_object
@@ -286,10 +287,9 @@ def _result(
     moved = new_node(tree, "GeometryNodeTransform", inputs)
     shown, color = moved.outputs["Geometry"], blend["Color"]
     if fields is not None:
-        for name in (INTERPOLATE, DETAIL):
-            tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
-        velocity = tree.interface.new_socket(HANDLE_VELOCITY, in_out="INPUT", socket_type="NodeSocketVector")
-        velocity.description = "Velocity of the handle in local space of the pad, for motion blur"
+        switches = (GroupInput(name, "Bool", True, "") for name in (INTERPOLATE, DETAIL))
+        velocity = "Velocity of the handle in local space of the pad, for motion blur"
+        add_inputs(tree, (*switches, GroupInput(HANDLE_VELOCITY, "Vector", None, velocity)))
         inputs = tree.nodes.new("NodeGroupInput").outputs
         handle_velocity = inputs[HANDLE_VELOCITY]
         mixed = mixed_sheet(tree, fields, blends, sheet.lattice, place, inputs[DETAIL], handle_velocity)

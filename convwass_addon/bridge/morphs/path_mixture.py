@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ..node_math import clamped, math_node, new_node, sum_over, switch
+from ..node_trees import GroupInput, add_inputs
 from ..sequence import object_info, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
@@ -29,11 +30,11 @@ SPEED = "Speed"
 """Input for motion blur: speed of the value, as a multiple of its speed in the bake."""
 
 MOMENT = (
-    (VALUE, "Float", 0.0, "Blend to show: 0 is the first shape, 1 the second, and so on"),
-    (DETAIL, "Bool", True, DETAIL_TIP),
-    (SPEED, "Float", 1.0, "Speed of the value as a multiple of its speed in the bake, for motion blur"),
+    GroupInput(VALUE, "Float", 0.0, "Blend to show: 0 is the first shape, 1 the second, and so on"),
+    GroupInput(DETAIL, "Bool", True, DETAIL_TIP),
+    GroupInput(SPEED, "Float", 1.0, "Speed of the value as a multiple of its speed in the bake, for motion blur"),
 )
-"""Inputs of the group: names, types, initial values and descriptions."""
+"""Inputs of the group."""
 
 PACE = "pace"
 """Column of the table of steps: steps per second in the bake, from every blend to the next."""
@@ -63,9 +64,7 @@ def moment_group(name: str, fields: StoredFields, blends: FrameSwitch) -> bpy.ty
     """
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     tree.is_modifier = True
-    for label, kind, start, description in MOMENT:
-        socket = tree.interface.new_socket(label, in_out="INPUT", socket_type=f"NodeSocket{kind}")
-        socket.default_value, socket.description = start, description
+    add_inputs(tree, MOMENT)
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     inputs = tree.nodes.new("NodeGroupInput").outputs
     terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(blends.frames))

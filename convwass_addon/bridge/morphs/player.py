@@ -18,6 +18,7 @@ from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
+from ..node_trees import GroupInput, add_inputs
 from ..render_settings import take_render_settings
 from ..sequence import (
     along_x,
@@ -188,20 +189,17 @@ def _table(frames: Sequence[bpy.types.Object]) -> np.ndarray:
 
 def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
     """Add the inputs of the modifier to the node group."""
-    value, *others = ((name, f"NodeSocket{kind}", start, description) for name, kind, start, description in MOMENT)
+    value, *others = MOMENT
     interpolate = "Mix the two baked blends beside the value instead of showing the nearer one"
-    mixing = ((INTERPOLATE, "NodeSocketBool", True, interpolate), *others)
-    for name, kind, start, description in (
+    mixing = (GroupInput(INTERPOLATE, "Bool", True, interpolate), *others)
+    inputs = (
         value,
-        (PLAYBACK, "NodeSocketMenu", None, "What to show beyond the last shape and before the first"),
+        GroupInput(PLAYBACK, "Menu", None, "What to show beyond the last shape and before the first"),
         *(mixing if interpolates else ()),
-        (OVERRIDE, "NodeSocketBool", False, "Use one material instead of those of the baked meshes"),
-        (MATERIAL, "NodeSocketMaterial", None, "The material to use instead"),
-    ):
-        socket = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
-        socket.description = description
-        if start is not None:
-            socket.default_value = start
+        GroupInput(OVERRIDE, "Bool", False, "Use one material instead of those of the baked meshes"),
+        GroupInput(MATERIAL, "Material", None, "The material to use instead"),
+    )
+    add_inputs(tree, inputs)
 
 
 def _fill(
