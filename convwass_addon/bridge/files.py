@@ -36,8 +36,7 @@ def checked_target(path: Path) -> Path:
     if target.is_dir():
         raise InputError("{target} is a folder; add a file name to it.", target=str(target))
     _require_folder(target.parent)
-    if not os.access(target.parent, os.W_OK):
-        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
+    _require_writable(target.parent)
     # Drafts would replace it all the same, on other systems than Windows.
     if target.exists() and not os.access(target, os.W_OK):
         raise InputError("{target} is protected from being overwritten; write to another file.", target=str(target))
@@ -51,6 +50,12 @@ def _require_folder(folder: Path) -> None:
         raise InputError(
             "The folder {folder} does not exist; create it first, or choose another one.", folder=str(folder)
         )
+
+
+def _require_writable(folder: Path) -> None:
+    """Raise InputError unless files can be created in a folder."""
+    if not os.access(folder, os.W_OK):
+        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(folder))
 
 
 def _refuse_file(folder: Path) -> None:
@@ -139,13 +144,27 @@ def made_folder(folder: str | Path) -> Path:
     """
     target = absolute_folder(folder)
     _require_folder(target.parent)
-    try:
-        target.mkdir(exist_ok=True)
-    except OSError as error:
-        raise InputError("The folder {folder} cannot be created; choose another one.", folder=str(target)) from error
-    if not os.access(target, os.W_OK):
-        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target))
+    create_folder(target)
     return target
+
+
+def create_folder(folder: Path) -> None:
+    """Create a folder for files, and those that contain it, unless it exists.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be created or written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(
+            "The folder {folder} cannot be created ({reason}); choose another one.",
+            folder=str(folder),
+            reason=error.strerror,
+        ) from error
+    _require_writable(folder)
 
 
 def save_blend(path: Path) -> Path:

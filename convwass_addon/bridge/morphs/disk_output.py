@@ -16,7 +16,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..files import absolute_folder, creatable_folder, file_stem
+from ..files import absolute_folder, creatable_folder, create_folder, file_stem
 from ..linked_data import overriding
 from ..unused_data import remove_if_unused
 
@@ -163,17 +163,8 @@ def output_folder(folder: Path) -> Path:
     InputError
         The folder cannot be created or written.
     """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            "The folder {folder} cannot be created ({reason}); choose another one.",
-            folder=str(folder),
-            reason=error.strerror,
-        ) from error
+    create_folder(folder)
     _CREATED.add(folder)
-    if not os.access(folder, os.W_OK):
-        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(folder))
     return folder
 
 
