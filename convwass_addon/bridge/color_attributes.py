@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .element_values import corner_vertices, element_values
+from .element_values import corner_vertices, element_values, write_floats
 from .mesh_checks import other_kind
 
 _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
@@ -75,10 +75,8 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
         if attribute.name != name:
             mesh.color_attributes.remove(attribute)
             raise other_kind(obj, name)
-    values = np.ascontiguousarray(colors, dtype=np.float32)
-    if attribute.domain == "CORNER":
-        values = values[corner_vertices(mesh)]
-    attribute.data.foreach_set("color", values.ravel())
+    values = np.asarray(colors, dtype=np.float32)
+    write_floats(attribute.data, "color", values[corner_vertices(mesh)] if attribute.domain == "CORNER" else values)
     mesh.update()
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 
 import bpy
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 # Names of the values of attributes, and their types; by default "value" and float32.
 _PROPERTIES = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
@@ -39,6 +39,12 @@ def element_values(
     values = np.empty(len(elements) * width, kind)
     elements.foreach_get(name, values)
     return values if width == 1 else values.reshape(-1, width)
+
+
+def write_floats(elements: bpy.types.bpy_prop_collection, name: str, values: ArrayLike) -> None:
+    """Write a property of all elements of a collection in single precision; `values` as from `element_values`."""
+    # Only contiguous arrays of exactly this type are copied in one operation; others are copied element by element.
+    elements.foreach_set(name, np.ascontiguousarray(values, dtype=np.float32).ravel())
 
 
 def vectors_of(elements: bpy.types.bpy_prop_collection, name: str = "co") -> NDArray[np.float64]:

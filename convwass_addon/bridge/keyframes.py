@@ -8,11 +8,11 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from numpy.typing import ArrayLike
 
 from .animation_time import time_of_frame
+from .element_values import element_values, write_floats
 from .unused_data import remove_if_unused
 
 VISIBILITY_PATHS = ("hide_viewport", "hide_render")
@@ -98,9 +98,7 @@ def take_key_times(before: bpy.types.Object, after: bpy.types.Object) -> None:
     for path in VISIBILITY_PATHS if old and new else ():
         theirs, own = old.fcurves.find(path), new.fcurves.find(path)
         if theirs and own and len(theirs.keyframe_points) == len(own.keyframe_points):
-            places = np.empty(2 * len(own.keyframe_points), dtype=np.float32)
-            theirs.keyframe_points.foreach_get("co", places)
-            own.keyframe_points.foreach_set("co", places)
+            write_floats(own.keyframe_points, "co", element_values(theirs.keyframe_points, "co", 2))
             own.update()
 
 
@@ -311,7 +309,7 @@ def set_keys(curve: bpy.types.FCurve, keys: ArrayLike, how: str = "LINEAR") -> N
     points = curve.keyframe_points
     points.clear()
     points.add(len(keys))
-    points.foreach_set("co", np.asarray(keys, dtype=np.float32).ravel())
+    write_floats(points, "co", keys)
     interpolate([curve], how)
 
 

@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
-from .element_values import element_values, triangle_corners, vectors_of
+from .element_values import element_values, triangle_corners, vectors_of, write_floats
 from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
@@ -290,7 +290,7 @@ def _transform_velocity(mesh: bpy.types.Mesh, matrix: Matrix) -> None:
     velocity = mesh.attributes.get(VELOCITY)
     if velocity is not None and velocity.data_type == "FLOAT_VECTOR":
         turned = element_values(velocity.data, "vector", 3) @ np.array(matrix.to_3x3().transposed(), dtype=np.float32)
-        velocity.data.foreach_set("vector", turned.ravel())
+        write_floats(velocity.data, "vector", turned)
 
 
 def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | None:
@@ -343,7 +343,7 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons
     mesh_data.loops.add(len(polygons.corners))
     mesh_data.polygons.add(len(polygons.starts))
     # Only contiguous arrays of exactly these types are copied in one operation; others are copied element by element.
-    mesh_data.vertices.foreach_set("co", _short(mesh.vertices).ravel())
+    write_floats(mesh_data.vertices, "co", _short(mesh.vertices))
     mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(polygons.corners, dtype=np.int32))
     mesh_data.loops.foreach_set("edge_index", np.ascontiguousarray(edges.of_corners, dtype=np.int32))
     mesh_data.edges.foreach_set("vertices", np.ascontiguousarray(edges.vertices, dtype=np.int32).ravel())
@@ -356,9 +356,9 @@ def _short(vertices: np.ndarray) -> np.ndarray:
     """Round points to 17 binary digits of their extent: finer than any grid, and files compress better."""
     extent = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
     if not extent > 0.0:
-        return np.ascontiguousarray(vertices, dtype=np.float32)
+        return vertices
     step = 2.0 ** (np.floor(np.log2(extent)) - _PLACES)
-    return np.ascontiguousarray(np.rint(np.asarray(vertices) / step) * step, dtype=np.float32)
+    return np.rint(np.asarray(vertices) / step) * step
 
 
 def _evaluated(

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from .element_values import write_floats
 from .morphs.frame_attributes import VELOCITY
 from .node_math import feed, joined, new_node, stored_attribute, switch
 from .node_trees import geometry_group
@@ -61,7 +62,7 @@ def write_table(
     """Replace a mesh by loose vertices at `points`, (n, 3), and set its materials."""
     mesh.clear_geometry()
     mesh.vertices.add(len(points))
-    mesh.vertices.foreach_set("co", np.asarray(points, dtype=np.float32).ravel())
+    write_floats(mesh.vertices, "co", points)
     mesh.update()
     mesh.materials.clear()
     for material in materials:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .element_values import element_values
+from .element_values import element_values, write_floats
 from .mesh_checks import other_kind
 
 _MOST_MAPS = 8
@@ -81,7 +81,7 @@ def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places
         mesh.uv_layers.new(name=name, do_init=False)
     values = read_uvs(obj, name)
     values[loops] = places
-    mesh.uv_layers[name].uv.foreach_set("vector", np.ascontiguousarray(values, dtype=np.float32).ravel())
+    write_floats(mesh.uv_layers[name].uv, "vector", values)
     mesh.update()
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
 from ...geometry.affine import transformed_points
-from ..element_values import element_values, vectors_of
+from ..element_values import element_values, vectors_of, write_floats
 from ..mesh_checks import other_vertices, readable_mesh
 from .pins import pinned_vertices
 from .rig_graphs import RigGraph, world_matrix
@@ -76,7 +76,7 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     points = vectors_of(mesh.vertices)
     points[[int(name) for name in rig.graph.names]] = transformed_points(positions, np.linalg.inv(rig.matrix))
     if not mesh.is_editmode:
-        mesh.vertices.foreach_set("co", np.ascontiguousarray(points, dtype=np.float32).ravel())
+        write_floats(mesh.vertices, "co", points)
         mesh.update()
         return
     edited = bmesh.from_edit_mesh(mesh)

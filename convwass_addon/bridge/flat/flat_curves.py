@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...applications.flat.flat_frames import FlatFrame
 from ...geometry.fitting import BezierRing, fitted_beziers
 from ...geometry.outlines import Outline, ring_area
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from .flat_rings import CurveStyle
 
 # Steps per curve segment, which is short: the first with which Blender fills the whole area. Where points are
@@ -91,7 +91,7 @@ def write_rings(curve: bpy.types.Curve, rings: Sequence[NDArray[np.float64]], st
         spline = curve.splines.new("POLY")
         spline.points.add(len(ring) - 1)
         places = np.concatenate([ring, np.zeros((len(ring), 1)), np.ones((len(ring), 1))], axis=1)
-        spline.points.foreach_set("co", places.astype(np.float32).ravel())
+        write_floats(spline.points, "co", places)
         spline.use_cyclic_u = True
 
 
@@ -136,7 +136,7 @@ def _add_spline(curve: bpy.types.Curve, ring: BezierRing) -> bpy.types.Spline:
     for name in ("handle_left_type", "handle_right_type"):
         points.foreach_set(name, kinds)
     for name, places in (("co", ring.points), ("handle_left", ring.left), ("handle_right", ring.right)):
-        points.foreach_set(name, np.pad(places, ((0, 0), (0, 1))).astype(np.float32).ravel())
+        write_floats(points, name, np.pad(places, ((0, 0), (0, 1))))
     spline.use_cyclic_u = True
     return spline
 

@@ -14,7 +14,7 @@ from mathutils import Matrix
 
 from ...errors import InputError
 from ...geometry.affine import transformed_points
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..image_files import loaded_image
 from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
 from ..scratch_scene import scratch_scene
@@ -112,7 +112,7 @@ def _copy_spline(spline: bpy.types.Spline, data: bpy.types.Curve, place: Matrix,
         moved = transformed_points(points.astype(np.float64), place)
         for kind in ("handle_left_type", "handle_right_type"):
             own.bezier_points.foreach_set(kind, np.zeros(len(moved), np.int32))
-        own.bezier_points.foreach_set(name, moved.astype(np.float32).ravel())
+        write_floats(own.bezier_points, name, moved)
     own.use_cyclic_u, own.material_index = spline.use_cyclic_u, slot
     own.resolution_u = spline.resolution_u
 

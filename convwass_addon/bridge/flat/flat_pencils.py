@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from .flat_rings import FlatRings
 from .flat_splines import cubic_points
 from .pencil_looks import ShownDrawing, fill_color, is_drawn, line_of
@@ -131,7 +131,7 @@ def _transform(drawing: object, matrix: NDArray[np.float64]) -> None:
     for attribute in (drawing.attributes.get(name) for name in ("position", "handle_left", "handle_right")):
         if attribute is not None and len(attribute.data):
             points = transformed_points(element_values(attribute.data, "vector", 3), matrix)
-            attribute.data.foreach_set("vector", points.astype(np.float32).ravel())
+            write_floats(attribute.data, "vector", points)
     drawing.tag_positions_changed()
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from .flat_kinds import TOUCHING
 from .flat_rings import CurveStyle, FlatRings
 
@@ -136,7 +136,7 @@ def _blenders_points(spline: bpy.types.Spline) -> NDArray[np.float64]:
         own = curve.splines.new(spline.type)
         own.points.add(len(spline.points) - 1)
         for name, width in (("co", 4), ("weight", 1)):
-            own.points.foreach_set(name, _vectors(spline.points, name, width).astype(np.float32).ravel())
+            write_floats(own.points, name, _vectors(spline.points, name, width))
         own.order_u, own.resolution_u = spline.order_u, max(spline.resolution_u, _LEAST_STEPS)
         for name in ("use_cyclic_u", "use_endpoint_u", "use_bezier_u"):
             setattr(own, name, getattr(spline, name))

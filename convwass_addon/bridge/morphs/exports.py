@@ -18,7 +18,7 @@ from ...applications.whole_paths import whole_path
 from ...disk_space import require_space
 from ...drafts import new_draft, replace_together
 from ...errors import ConvwassError, InputError
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..files import checked_target, file_stem
 from ..mesh_sequences import mesh_sequences
 from ..numbered_files import numbered_paths
@@ -292,14 +292,14 @@ def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
 
 def _write_point_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
     attribute = mesh.color_attributes.new(COLORS, "FLOAT_COLOR", "POINT")
-    attribute.data.foreach_set("color", colors.ravel())
+    write_floats(attribute.data, "color", colors)
 
 
 def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
     """Write colors per corner, the only kind that Blender's Alembic exporter supports."""
     vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
-    attribute.data.foreach_set("color", np.ascontiguousarray(colors.reshape(-1, 4)[vertices], dtype=np.float32).ravel())
+    write_floats(attribute.data, "color", colors.reshape(-1, 4)[vertices])
 
 
 def _write_textures(frames: Sequence[bpy.types.Object], target: Path, fps: float) -> list[Path]:

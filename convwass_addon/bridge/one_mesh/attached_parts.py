@@ -20,7 +20,7 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..element_values import triangle_corners, vectors_of
+from ..element_values import triangle_corners, vectors_of, write_floats
 from ..handles import Handle, found, found_or_none
 from ..mesh_checks import other_vertices, writable_mesh
 from ..objects import checked_matrix, checked_vertices
@@ -264,7 +264,7 @@ def _follow(
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
             key = _key(part, body, name)
-            key.data.foreach_set("co", moved[name].ravel())
+            write_floats(key.data, "co", moved[name])
             drive_key(body, key, record["name"], expression)
             attached_names.append(key.name)
     part.data.shape_keys[ATTACHED_KEY] = json.dumps(list(dict.fromkeys(attached_names)))

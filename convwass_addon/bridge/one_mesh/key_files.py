@@ -23,6 +23,7 @@ from ...drafts import new_draft, written_whole
 from ...errors import InputError
 from ...sentence import Sentence
 from ..borrowed_names import borrowed_names
+from ..element_values import write_floats
 from ..files import checked_target
 from ..interrupts import kept_interrupts
 from ..mesh_checks import require_not_edited
@@ -194,7 +195,7 @@ def _frame_objects(obj: bpy.types.Object, frames: range) -> list[bpy.types.Objec
     made = []
     for points, velocity in zip(moving.points, velocities, strict=True):
         mesh = _without_keys(obj)
-        mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+        write_floats(mesh.vertices, "co", points)
         write_velocity(mesh, velocity)
         mesh.update()
         made.append(bpy.data.objects.new(mesh.name, mesh))

@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..vertex_groups import group_names, read_group, read_groups, write_group
 
 # Name of the bone that holds vertices, if it is free.
@@ -31,7 +31,7 @@ def apply_key_groups(obj: bpy.types.Object) -> None:
     for key, move in zip(keys, moves, strict=True):
         if key.vertex_group in obj.vertex_groups:
             move *= read_group(obj, key.vertex_group).astype(np.float32)[:, None]
-        key.data.foreach_set("co", (rest + move).ravel())
+        write_floats(key.data, "co", rest + move)
         key.relative_key, key.vertex_group = reference, ""
 
 

@@ -23,7 +23,7 @@ from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..armatures.rigs import is_posed
-from ..element_values import vectors_of
+from ..element_values import vectors_of, write_floats
 from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
@@ -162,7 +162,7 @@ def at_rest(obj: bpy.types.Object, mesh: bpy.types.Mesh, seen: NDArray[np.float6
         raise
     linear = transforms[:, :3, :3]
     rest = np.linalg.solve(linear, (seen - transforms[:, :3, 3])[..., None])[..., 0]
-    mesh.vertices.foreach_set("co", rest.astype(np.float32).ravel())
+    write_floats(mesh.vertices, "co", rest)
     if obj.matrix_world.is_negative:
         mesh.flip_normals()
     mesh.update()

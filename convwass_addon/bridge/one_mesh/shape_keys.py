@@ -11,7 +11,7 @@ import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
 from ...errors import InputError
-from ..element_values import write_attribute
+from ..element_values import write_attribute, write_floats
 from ..keyframes import ensure_action, own_action, take_animation
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
@@ -119,7 +119,7 @@ def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
     names, expressions = key_names(slider, len(path.times)), key_expressions(path.times)
     for name, positions, expression in zip(names, path.positions, expressions, strict=True):
         key = obj.shape_key_add(name=name, from_mix=False)
-        key.data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+        write_floats(key.data, "co", positions)
         drive_key(obj, key, slider, expression)
     _mark(obj.data, POOR.format(name=slider), path.poor)
 

@@ -18,7 +18,7 @@ from ...applications.whole_paths import share_a_place
 from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..element_values import element_values, write_attribute
+from ..element_values import element_values, write_attribute, write_floats
 from ..files import absolute_folder, file_stem
 from ..handles import Handle
 from ..image_files import image_path
@@ -325,7 +325,7 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     left = keys.find()
     if left is not None:  # Blender 4.5
         bpy.data.batch_remove([left])
-    mesh.vertices.foreach_set("co", positions.ravel())
+    write_floats(mesh.vertices, "co", positions)
     if SLOTS in mesh.attributes:
         slots = element_values(mesh.attributes[SLOTS].data, "value", kind=np.int32)
         mesh.polygons.foreach_set("material_index", slots)
@@ -381,7 +381,7 @@ def _assign_baked_material(
     """Give all faces of a mesh a baked material, with its UV map; the material of an earlier baking is replaced."""
     if uv_map not in mesh.uv_layers:
         mesh.uv_layers.new(name=uv_map, do_init=False)
-    mesh.uv_layers[uv_map].uv.foreach_set("vector", np.ascontiguousarray(uvs).ravel())
+    write_floats(mesh.uv_layers[uv_map].uv, "vector", uvs)
     mesh.uv_layers.active = mesh.uv_layers[uv_map]
     if SLOTS not in mesh.attributes:
         write_attribute(mesh, SLOTS, "INT", element_values(mesh.polygons, "material_index", kind=np.int32), "FACE")

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...errors import ConvwassError, InputError
 from ...geometry.affine import transformed_points
 from ...geometry.closest_points import ClosestPointFinder
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..object_values import ObjectValues
@@ -247,7 +247,7 @@ def _posed(obj: bpy.types.Object, prepared: bpy.types.Mesh, positions: NDArray[n
     """Freeze an object with other positions of its vertices, modifiers applied."""
     mesh = prepared.copy()
     if positions is not None:
-        mesh.vertices.foreach_set("co", positions.ravel())
+        write_floats(mesh.vertices, "co", positions)
     copy = obj.copy()
     copy.animation_data_clear()
     copy.data = mesh

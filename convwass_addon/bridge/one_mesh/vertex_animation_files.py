@@ -17,7 +17,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_nor
 from ...applications.palettes.png_bytes import png_bytes
 from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..image_files import ImageFormat, drawn_image, save_image
 from ..scene_writing import write_draft, write_still_gltf
 from ..scratch_scene import scratch_scene
@@ -63,7 +63,7 @@ def write_moving_mesh(mesh: bpy.types.Mesh, name: str, moving: MovingVertices, t
         A file could not be written.
     """
     animation = VertexAnimation(y_up(moving.points), y_up(moving.normals))
-    mesh.vertices.foreach_set("co", moving.points[0].astype(np.float32).ravel())
+    write_floats(mesh.vertices, "co", moving.points[0])
     mesh.update()
     vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     uv_map = _add_coordinates(mesh, animation.grid.coordinates()[vertices], name)
@@ -80,13 +80,13 @@ def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) ->
     target, fps
         As for `write_moving_mesh`, which also documents the result and the errors.
     """
-    corners = animation.points[0].astype(np.float32)
+    corners = animation.points[0]
     mesh = bpy.data.meshes.new(target.stem)
     try:
         mesh.vertices.add(len(corners))
         mesh.loops.add(len(corners))
         mesh.polygons.add(len(corners) // 3)
-        mesh.vertices.foreach_set("co", corners.ravel())
+        write_floats(mesh.vertices, "co", corners)
         mesh.loops.foreach_set("vertex_index", np.arange(len(corners), dtype=np.int32))
         mesh.polygons.foreach_set("loop_start", np.arange(0, len(corners), 3, dtype=np.int32))
         mesh.update(calc_edges=True)
@@ -103,7 +103,7 @@ def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64], own
     """Add the UV map to the corners, (k, 2), and return its name; V points up in Blender, and down in glTF."""
     layer = add_uv_map(mesh, UV_MAP, owner)
     upward = np.stack([coordinates[:, 0], 1.0 - coordinates[:, 1]], axis=1)
-    layer.uv.foreach_set("vector", np.ascontiguousarray(upward, dtype=np.float32).ravel())
+    write_floats(layer.uv, "vector", upward)
     return layer.name
 
 

@@ -12,7 +12,7 @@ from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..color_attributes import color_kind, read_colors, require_color_name, show_colors
-from ..element_values import element_values
+from ..element_values import element_values, write_floats
 from ..mesh_checks import other_vertices, require_not_edited
 from .image_pixels import scene_to_rec709
 
@@ -62,7 +62,7 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
         present = None
     if present is None:
         present = mesh.color_attributes.new(name, kind, domain)
-    present.data.foreach_set("color", np.ascontiguousarray(pixels, dtype=np.float32).ravel())
+    write_floats(present.data, "color", pixels)
     mesh.update()
     show_colors(obj, name)
 

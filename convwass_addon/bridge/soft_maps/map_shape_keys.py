@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..element_values import vectors_of
+from ..element_values import vectors_of, write_floats
 
 
 @dataclass(frozen=True)
@@ -103,4 +103,4 @@ def _dependents(block: bpy.types.ShapeKey, blocks: Sequence[bpy.types.ShapeKey])
 
 def _move(block: bpy.types.ShapeKey, change: NDArray[np.float64]) -> None:
     positions = vectors_of(block.data) + change
-    block.data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+    write_floats(block.data, "co", positions)
