@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry.affine import transformed_points
+from ..geometry.chunks import chunks
 from ..geometry.mesh import TriangleMesh
 from ..sentence import Sentence
 from .element_values import corner_vertices, triangle_corners, vertex_positions
@@ -183,8 +184,8 @@ def _shape(mesh: bpy.types.Mesh) -> _Shape:
 
 def _has_area(mesh: TriangleMesh) -> bool:
     """Return whether some triangle has an area; usually one of the first has."""
-    for start in range(0, len(mesh.faces), 4096):
-        a, b, c = mesh.vertices[mesh.faces[start : start + 4096]].swapaxes(0, 1)
+    for some in chunks(len(mesh.faces), 4096):
+        a, b, c = mesh.vertices[mesh.faces[some]].swapaxes(0, 1)
         if np.cross(b - a, c - a).any():
             return True
     return False

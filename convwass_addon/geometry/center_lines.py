@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from ..progress import UNINTERRUPTED, Control
+from .chunks import chunks
 from .components import component_labels
 from .edges import mesh_edges, used_part
 from .label_sums import label_sums
@@ -163,8 +164,7 @@ def _projected(
     """Return the places, between the points of a line, of those closest to vertices, near where they were."""
     found = np.empty(len(vertices))
     near = np.arange(-int(_NEAR * _POINTS), int(_NEAR * _POINTS) + 1)
-    for begin in range(0, len(vertices), _CHUNK):
-        own = slice(begin, begin + _CHUNK)
+    for own in chunks(len(vertices), _CHUNK):
         middle = np.rint(places[own]).astype(np.int64)
         rows = np.clip(middle[:, None] + near, 0, len(line) - 1)
         away = sum(np.square(vertices[own, axis, None] - line[:, axis].take(rows)) for axis in range(3))

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import chain
@@ -14,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..progress import UNINTERRUPTED, Control
 from .barycentric import points_of_triangles
+from .chunks import chunks
 from .distinct import sorted_distinct
 from .point_tree import point_tree
 
@@ -145,7 +145,7 @@ class ClosestPointFinder:
         Cancelling `control` stops the search.
         """
         wanted, found = _prepared(points)
-        for some in _chunks(len(wanted)):
+        for some in chunks(len(wanted), _AT_ONCE):
             control.check()
             reached = self._measure_nearest(wanted[some], some.start, found)
             self._measure_remaining(wanted[some], some.start, found, reached)
@@ -157,7 +157,7 @@ class ClosestPointFinder:
         Their distances exceed the true ones by at most r, and hardly ever at all.
         """
         wanted, found = _prepared(points)
-        for some in _chunks(len(wanted)):
+        for some in chunks(len(wanted), _AT_ONCE):
             control.check()
             self._measure_nearest(wanted[some], some.start, found)
         return found
@@ -195,7 +195,7 @@ class ClosestPointFinder:
         owners = self._owners[np.fromiter(chain.from_iterable(balls), np.int64, len(queries))]
         # Encode pairs as single numbers, which sort much faster.
         pairs = sorted_distinct(queries * len(self._corners) + owners)
-        for some in _chunks(len(pairs), _AT_ONCE * _NEIGHBORS):
+        for some in chunks(len(pairs), _AT_ONCE * _NEIGHBORS):
             self._measure(points, *np.divmod(pairs[some], len(self._corners)), start, found)
 
     def _measure(
@@ -249,10 +249,6 @@ def _prepared(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     count = len(wanted)
     return wanted, ClosestPoints(np.zeros(count, np.int64), np.zeros((count, 3)), np.full(count, np.inf))
-
-
-def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
-    return (slice(start, min(start + size, count)) for start in range(0, count, size))
 
 
 def _reaches(corners: NDArray[np.float64]) -> NDArray[np.float64]:

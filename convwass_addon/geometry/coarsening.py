@@ -11,9 +11,7 @@ Applications 7, 1997). Where this fails, as on thin legs, clusters are divided.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +19,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from ..progress import UNINTERRUPTED, Control
+from .chunks import chunks_by_sizes
 from .closest_points import closest_in_triangles
 from .edges import edge_lengths, mesh_edges, proper_faces, proper_part, vertex_components
 from .integer_ranges import integer_ranges
@@ -334,7 +333,7 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
     starts = np.cumsum(counts) - counts
     columns = np.empty((len(vertices), 3), np.int64)
     shares = np.empty((len(vertices), 3))
-    for some in _chunks(counts[clusters[vertices]]):
+    for some in chunks_by_sizes(counts[clusters[vertices]], _PAIRS_AT_ONCE):
         control.check()
         own = clusters[vertices[some]]
         number = counts[own]
@@ -355,10 +354,3 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
     matrix = entries.tocsr()
     matrix.eliminate_zeros()
     return matrix
-
-
-def _chunks(numbers: NDArray[np.int64]) -> Iterator[slice]:
-    """Split `numbers` into slices whose sums are about the number of pairs processed together."""
-    blocks = np.cumsum(numbers) // _PAIRS_AT_ONCE
-    bounds = [0, *(np.flatnonzero(np.diff(blocks)) + 1), len(numbers)]
-    return (slice(start, end) for start, end in pairwise(bounds))

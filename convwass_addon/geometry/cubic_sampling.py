@@ -13,6 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .chunks import chunks
+
 # Points processed together: their 64 samples fit into the cache.
 _AT_ONCE = 2048
 
@@ -48,8 +50,7 @@ def cubic_samples(field: NDArray[np.float32], points: NDArray[np.floating]) -> C
     first = (low - 1) @ strides
     shares = np.subtract(points, low, dtype=np.float32)
     values, gradients = np.empty(len(points), np.float32), np.empty((len(points), 3), np.float32)
-    for start in range(0, len(points), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
+    for part in chunks(len(points), _AT_ONCE):
         around = field.ravel()[offsets[:, None] + first[part]].reshape(16, 4, -1)
         (x, dx), (y, dy), (z, dz) = (_weights(share) for share in np.ascontiguousarray(shares[part].T))
         lines, line_slopes = ((around * weights).sum(axis=1).reshape(4, 4, -1) for weights in (z, dz))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from .boxes import padded_box
+from .chunks import chunks
 from .cubic_sampling import cubic_samples
 from .dual_surface import DualSurface, dual_surface
 from .isosurface import LevelSurface
@@ -79,8 +80,7 @@ def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.floa
     0.004 (on a sphere with a radius of 20 cells).
     """
     result = np.empty(density.shape, np.float32)
-    for start in range(0, len(density), _SLAB):
-        own = slice(start, start + _SLAB)
+    for own in chunks(len(density), _SLAB):
         excess = np.subtract(density[own], np.float32(level), dtype=np.float32)
         excess /= np.float32(level)
         np.clip(excess, -_FAR, _FAR, out=excess)

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 
 from ..progress import UNINTERRUPTED, Control
 from .barycentric import points_of_triangles
+from .chunks import chunks
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
@@ -71,9 +72,9 @@ class FacingPointFinder:
         if not len(again):
             return found
         units = normals / np.maximum(lengths, _VAGUE)[:, None]
-        for start in range(0, len(again), _AT_ONCE):
+        for some in chunks(len(again), _AT_ONCE):
             control.check()
-            self._search_by_position_and_normal(found, again[start : start + _AT_ONCE], points, units)
+            self._search_by_position_and_normal(found, again[some], points, units)
         return found
 
     @property

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from .chunks import chunks
+
 # Points processed together: their arrays fit into the cache.
 _AT_ONCE = 1 << 14
 
@@ -28,8 +30,7 @@ def sampled(field: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[
     """
     values = field.reshape(-1, field.shape[-1])
     result = np.empty((len(points), values.shape[1]))
-    for start in range(0, len(points), _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
+    for part in chunks(len(points), _AT_ONCE):
         # A sparse product gathers and sums three times as fast as arrays of indices.
         result[part] = _interpolation(points[part], field.shape[:3]) @ values
     return result

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
+from .chunks import chunks
 from .cuts import Cuts
 from .handle_places import REACH, Places, TriedPlaces, are_near
 from .labelling import Pieces
@@ -153,9 +154,9 @@ def _removed(
     around = np.pad(density, REACH)
     search = _Search(around, level, narrowest, widest, tried)
     left = excess
-    for start in range(0, len(places.cells), _AT_ONCE):
+    for batch in chunks(len(places.cells), _AT_ONCE):
         control.check()
-        left -= search.change(places.chosen(slice(start, start + _AT_ONCE)), left)
+        left -= search.change(places.chosen(batch), left)
         if left <= 0:
             break
     if left < excess:
@@ -288,7 +289,7 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
     places = tried.untried(Places.of(*found, density, level, effort.places), _NARROW)
     search = _Search(np.pad(density, REACH), level, 0, _NARROW, tried)
-    batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
+    batches = chunks(len(places.cells), _AT_ONCE)
     flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
     moved = np.concatenate([np.empty(0, np.int64), *flips])
     order = np.argsort(moved, kind="stable")

@@ -14,6 +14,7 @@ from scipy.sparse import coo_array, csc_array
 
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control
+from .chunks import chunks
 from .delaunay import closed_surface, flipped_to_delaunay, heron_areas
 from .edges import proper_part
 from .mesh import TriangleMesh
@@ -212,8 +213,8 @@ def _has_area(surface: _UnitSurface, reach: float) -> bool:
     """Return whether any triangle is higher than the rounding error of coordinates of size `reach`."""
     least = 8.0 * np.finfo(float).eps * max(reach, 1.0)
     # Usually one of the first triangles is.
-    for start in range(0, len(surface.faces), _AT_ONCE):
-        corners = surface.vertices[surface.faces[start : start + _AT_ONCE]]
+    for some in chunks(len(surface.faces), _AT_ONCE):
+        corners = surface.vertices[surface.faces[some]]
         if (2.0 * triangle_areas(corners) > least * _lengths(corners).max(axis=1)).any():
             return True
     return False

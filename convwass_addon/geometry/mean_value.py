@@ -8,11 +8,10 @@ coordinates for closed triangular meshes", 2005.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .chunks import chunks
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
 from .plane_angles import signed_angles
@@ -56,8 +55,8 @@ def mean_value_coordinates(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.
     on = np.flatnonzero(on_surface)
     np.add.at(weights, (on[:, None], mesh.faces[closest.triangles[on]]), closest.shares[on])
     off = np.flatnonzero(~on_surface)
-    for some in _chunks(off, len(mesh.faces)):
-        weights[some] = _summed(_triangle_weights(wanted[some], mesh), mesh)
+    for part in chunks(len(off), max(1, _PAIRS // max(len(mesh.faces), 1))):
+        weights[off[part]] = _summed(_triangle_weights(wanted[off[part]], mesh), mesh)
     return weights / weights.sum(axis=1, keepdims=True)
 
 
@@ -182,8 +181,3 @@ def _log_sum(logs: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
     terms = np.exp(logs - top)
     total = terms.sum()
     return float(top + np.log(total)), terms / total
-
-
-def _chunks(indices: NDArray[np.int64], faces: int) -> Iterator[NDArray[np.int64]]:
-    step = max(1, _PAIRS // max(faces, 1))
-    return (indices[start : start + step] for start in range(0, len(indices), step))

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 from .outlines import Rule
 
@@ -224,15 +225,11 @@ def _near_pairs(edges: _Edges) -> Iterator[tuple[NDArray[np.int64], NDArray[np.i
     low, high = low[order], high[order]
     last = np.searchsorted(low[:, 0], high[:, 0], side="right")
     counts = last - np.arange(len(order)) - 1
-    bounds = np.append(0, np.cumsum(counts))
-    begun = 0
-    while begun < len(order):
-        done = max(int(np.searchsorted(bounds, bounds[begun] + _AT_ONCE, side="right")) - 1, begun + 1)
-        rows = np.repeat(np.arange(begun, done), counts[begun:done])
-        columns = np.arange(len(rows)) - (bounds[rows] - bounds[begun]) + rows + 1
+    for some in chunks_by_sizes(counts, _AT_ONCE):
+        rows, columns = integer_ranges(np.arange(some.start, some.stop) + 1, counts[some])
+        rows += some.start
         meet = (low[rows, 1] <= high[columns, 1]) & (low[columns, 1] <= high[rows, 1])
         yield order[rows[meet]], order[columns[meet]]
-        begun = done
 
 
 def _lies_on(corner: Points, start: Points, end: Points) -> NDArray[np.bool_]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 
 # Lattice points in the bounding boxes of triangles that are processed together; limits the memory.
@@ -45,13 +46,8 @@ def crossings(corners: NDArray[np.float64]) -> Iterator[Crossings]:
     """Yield the crossings of the lattice lines with triangles `corners`, (m, 3, 3), in chunks."""
     a, b, c = (corners[:, corner, :2] for corner in range(3))
     size = np.maximum(np.maximum(a, b), c) - np.minimum(np.minimum(a, b), c) + 1.0
-    total = np.cumsum(size[:, 0] * size[:, 1])
-    begin = 0
-    while begin < len(corners):
-        done = total[begin - 1] if begin else 0.0
-        end = max(begin + 1, int(np.searchsorted(total, done + _CHUNK, side="right")))
-        yield _between_edges(corners[begin:end])
-        begin = end
+    for some in chunks_by_sizes(size[:, 0] * size[:, 1], _CHUNK):
+        yield _between_edges(corners[some])
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .chunks import chunks
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -42,14 +43,12 @@ def winding_numbers(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.float64
     """
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     result = np.zeros(len(wanted))
-    step = max(1, _PAIRS // max(len(mesh.faces), 1))
-    for start in range(0, len(wanted), step):
-        some = wanted[start : start + step]
-        a, b, c = (mesh.corners[None, :, i] - some[:, None] for i in range(3))
+    for some in chunks(len(wanted), max(1, _PAIRS // max(len(mesh.faces), 1))):
+        a, b, c = (mesh.corners[None, :, i] - wanted[some, None] for i in range(3))
         la, lb, lc = (np.sqrt(_dot(x, x)) for x in (a, b, c))
         numerator = _dot(a, np.cross(b, c))
         denominator = la * lb * lc + _dot(a, b) * lc + _dot(b, c) * la + _dot(c, a) * lb
-        result[start : start + step] = np.arctan2(numerator, denominator).sum(axis=1) / (2.0 * np.pi)
+        result[some] = np.arctan2(numerator, denominator).sum(axis=1) / (2.0 * np.pi)
     return result
 
 

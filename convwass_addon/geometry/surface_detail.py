@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
 from .angle_smoothing import with_wider_angles
+from .chunks import chunks
 from .closest_points import ClosestPoints
 from .edge_flips import with_flipped_edges
 from .edge_means import EdgeMeans
@@ -247,8 +248,7 @@ class _Carried:
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the shape's triangle under each face, (m, 3): at the corner whose plane is closest to the others."""
         found = np.empty(len(faces), np.int64)
-        for start in range(0, len(faces), _AT_ONCE):
-            part = slice(start, start + _AT_ONCE)
+        for part in chunks(len(faces), _AT_ONCE):
             found[part] = self._triangles_under(faces[part])
         return found
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 
 PIXELS_AT_ONCE = 2_000_000
@@ -73,13 +74,8 @@ def uv_pixels(uv: NDArray[np.floating], faces: NDArray[np.integer], size: int, m
     high = np.clip(np.floor(corners.max(axis=1) + _SLACK), -1, size - 1).astype(np.int64)
     boxes = np.maximum(high - low + 1, 0)
     counts = boxes.prod(axis=1)
-    ends = np.cumsum(counts)
-    start = 0
-    while start < len(counts):
-        done = ends[start - 1] if start else 0
-        stop = max(start + 1, int(np.searchsorted(ends, done + PIXELS_AT_ONCE, side="right")))
-        _rasterize(slice(start, stop), corners, low, boxes, counts, owner, shares)
-        start = stop
+    for block in chunks_by_sizes(counts, PIXELS_AT_ONCE):
+        _rasterize(block, corners, low, boxes, counts, owner, shares)
     places = np.flatnonzero(owner >= 0)
     sources = _with_margin(owner.reshape(size, size) >= 0, margin)
     return UvPixels(size, np.asarray(faces, dtype=np.int64)[owner[places]], shares[places], places, sources)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..geometry.chunks import chunks
 from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distributions, check_pair, check_solver
@@ -237,13 +238,11 @@ def distance_matrix_rounds(
     first, second = np.triu_indices(len(densities), 1)
     values = np.zeros((len(densities), len(densities)))
     error, iterations = float(own.errors.max()), own.iterations
-    at_once = min(max(1, _VALUES_AT_ONCE // densities[0].size), _PAIRS_AT_ONCE)
-    for start in range(0, len(first), at_once):
-        i, j = first[start : start + at_once], second[start : start + at_once]
+    share = (1.0 - _OWN_END) / max(len(first), 1)
+    for some in chunks(len(first), min(max(1, _VALUES_AT_ONCE // densities[0].size), _PAIRS_AT_ONCE)):
+        i, j = first[some], second[some]
         solving = _coarse_to_fine(densities[i], densities[j], domain, tolerance, max_iterations, control)
-        share = (1.0 - _OWN_END) / len(first)
-        end = _OWN_END + share * min(start + at_once, len(first))
-        solved, rounds = yield from within(solving, _OWN_END + share * start, end)
+        solved, rounds = yield from within(solving, _OWN_END + share * some.start, _OWN_END + share * some.stop)
         found = _entropic_values(solved, densities[i], densities[j], domain)
         divergences = found - 0.5 * (self_values[i] + self_values[j])
         values[i, j] = values[j, i] = _squared_distances(divergences, domain)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
+from ..geometry.chunks import chunks
 from ..geometry.products import contract
 from ..one_line import one_line
 from .gaussian import GaussianKernel
@@ -169,15 +170,14 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         size = lines.shape[1]
         log_scale = -float(np.log(_whole_row(self.sigma)))
         # Few lines at a time, because each may need hundreds of temporary arrays.
-        chunk = max(_AT_ONCE // size, 1)
         result = np.empty_like(lines)
-        for start in range(0, len(lines), chunk):
-            some = lines[start : start + chunk]
+        for few in chunks(len(lines), max(_AT_ONCE // size, 1)):
+            some = lines[few]
             if self.boundary == "open":
-                result[start : start + chunk] = log_blur(some, self.sigma, log_scale)
+                result[few] = log_blur(some, self.sigma, log_scale)
             else:
                 mirrored = np.concatenate([some[:, ::-1], some, some[:, ::-1]], axis=1)
-                result[start : start + chunk] = log_blur(mirrored, self.sigma, log_scale)[:, size : 2 * size]
+                result[few] = log_blur(mirrored, self.sigma, log_scale)[:, size : 2 * size]
         return result
 
     def log_transfer(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import diags_array
 
+from ..geometry.chunks import chunks
 from ..geometry.edges import vertex_components
 from ..geometry.factorization import Factorization, factorize
 from ..geometry.mesh import TriangleMesh
@@ -224,8 +225,8 @@ class Surface(ThroughWholeArrays):
         target[...] = LOG_NOTHING
         rows = max(1, _BLOCK // len(self._used))
         for column, result in zip(columns, target, strict=True):
-            for start in range(0, len(self._used), rows):
-                result[self._used[start : start + rows]] = _log_sums(self._log_kernel[start : start + rows] + column)
+            for some in chunks(len(self._used), rows):
+                result[self._used[some]] = _log_sums(self._log_kernel[some] + column)
 
     def kernel_distance(
         self, log_values: NDArray[np.float64], log_at_source: NDArray[np.float64]
@@ -283,20 +284,20 @@ class Surface(ThroughWholeArrays):
         # A unit mass at each vertex in turn, scaled as far as float64 allows.
         peaks = np.diag(np.exp(HEADROOM) / self._area_weights)
         kernel = np.empty((count, count))
-        for start in range(0, count, 64):
-            kernel[start : start + 64] = self._diffused(peaks[start : start + 64])
+        for some in chunks(count, 64):
+            kernel[some] = self._diffused(peaks[some])
         floored_log(kernel)
         kernel[kernel <= LOG_NOTHING] = -np.inf
         return 0.5 * (kernel + kernel.T) - HEADROOM
 
     def _diffused(self, columns: NDArray[np.float64]) -> NDArray[np.float64]:
         result = np.empty_like(columns)
-        for start in range(0, len(columns), _COLUMNS):
-            some = columns[start : start + _COLUMNS]
+        for part in chunks(len(columns), _COLUMNS):
+            some = columns[part]
             for _ in range(self.steps):
                 self._level.control.check()
                 some = self._factor.solve(some * self._area_weights)
-            result[start : start + _COLUMNS] = some
+            result[part] = some
         return result
 
 

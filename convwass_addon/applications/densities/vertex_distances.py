@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...geometry.chunks import chunks
 from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface, point_distances
@@ -63,11 +64,10 @@ def distances_from(vertices: ArrayLike, surface: Surface, control: Control = UNI
     chosen = np.unique(np.atleast_1d(np.asarray(vertices)))
     check_vertices(chosen, surface)
     nearest = np.full(surface.shape, np.inf)
-    at_once = max(1, VALUES_AT_ONCE // surface.shape[0])
-    for start in range(0, len(chosen), at_once):
+    for some in chunks(len(chosen), max(1, VALUES_AT_ONCE // surface.shape[0])):
         control.check()
         with one_blas_thread():
-            found = point_distances(chosen[start : start + at_once], surface)
+            found = point_distances(chosen[some], surface)
         np.minimum(nearest, found.min(axis=0), out=nearest)
     return VertexDistances(nearest, tuple(_unreached(nearest, chosen, surface)))
 

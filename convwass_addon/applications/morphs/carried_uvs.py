@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
+from ...geometry.chunks import chunks
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from ...geometry.normals import triangle_areas
 from ...geometry.uv_charts import SEAM_DETOUR, chart_labels, uv_sizes
@@ -115,8 +116,7 @@ class UvMap:
         if self.repeats:
             found -= np.rint(found - found[:, :1])
         apart = np.empty(len(faces), bool)
-        for start in range(0, len(faces), _AT_ONCE):
-            some = slice(start, start + _AT_ONCE)
+        for some in chunks(len(faces), _AT_ONCE):
             apart[some] = ~self._are_together(
                 places.triangles[faces[some]], origins[faces[some]], found[some], homes[some]
             )

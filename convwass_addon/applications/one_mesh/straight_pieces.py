@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.chunks import chunks
 from ...geometry.polylines import along_polyline
 from ...geometry.products import product
 from ...progress import UNINTERRUPTED, Control, Progress, Work
@@ -190,9 +191,9 @@ def _fitted(path: RefinedPath, knots: list[int]) -> NDArray[np.float64]:
 def _longest(weights: NDArray[np.float64], samples: NDArray[np.float64], control: Control) -> float:
     """Return the largest length of weighted sums, with weights (f, s), of samples of vectors, (s, n, 3)."""
     longest = 0.0
-    for start in range(0, samples.shape[1], _AT_ONCE):
+    for some in chunks(samples.shape[1], _AT_ONCE):
         control.check()
-        part = samples[:, start : start + _AT_ONCE]
+        part = samples[:, some]
         squares = np.square(product(weights, part.reshape(len(part), -1)))
         longest = max(longest, float((squares[:, ::3] + squares[:, 1::3] + squares[:, 2::3]).max()))
     return float(np.sqrt(longest))

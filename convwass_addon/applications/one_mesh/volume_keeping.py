@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...geometry.chunks import chunks
 from ...geometry.edge_means import EdgeMeans
 from ...geometry.edges import topology
 from ...geometry.inner_balls import touching_radii
@@ -152,9 +153,9 @@ def _thickness(mesh: TriangleMesh, means: EdgeMeans, control: Control) -> NDArra
     normals = vertex_normals(mesh.vertices, mesh.faces)
     places = np.concatenate([mesh.vertices, _TURN * np.sqrt(mesh.area) * normals], axis=1)
     tree, nearest = cKDTree(places[chosen]), np.empty(len(places), np.int64)
-    for start in range(0, len(places), _AT_ONCE):
+    for some in chunks(len(places), _AT_ONCE):
         control.check()
-        nearest[start : start + _AT_ONCE] = tree.query(places[start : start + _AT_ONCE])[1]
+        nearest[some] = tree.query(places[some])[1]
     control.check()
     radii = touching_radii(mesh, chosen)[nearest]
     for _ in range(_SMOOTHINGS):

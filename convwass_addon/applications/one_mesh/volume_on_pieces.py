@@ -15,6 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.chunks import chunks
 from ...geometry.normals import cross_coordinates
 from ...geometry.products import product
 from ...progress import Control, Progress, Work
@@ -98,8 +99,8 @@ def _products_by_part(
     """
     # Volumes do not depend on the origin; near to it, sums are exact.
     center = 3.0 * samples[0].mean(axis=0)[:, None]
-    for start in range(0, len(faces), _AT_ONCE):
-        some = np.ascontiguousarray(faces[start : start + _AT_ONCE].T)
+    for part in chunks(len(faces), _AT_ONCE):
+        some = np.ascontiguousarray(faces[part].T)
         # One contiguous array per corner and coordinate, (s, 3, 3, c).
         corners = np.ascontiguousarray(np.moveaxis(samples.take(some, axis=1), 3, 2))
         sums = corners.sum(axis=1) - center
@@ -107,7 +108,7 @@ def _products_by_part(
         moved = product(weights, edges.reshape(len(samples), -1)).reshape(len(weights), 2, 3, -1)
         areas = np.stack(cross_coordinates(*np.moveaxis(moved, 0, 2)), axis=1)
         added = product(areas.reshape(len(weights), -1), sums.reshape(len(samples), -1).T)
-        yield start / len(faces), product(added, weights.T) / 6.0
+        yield part.start / len(faces), product(added, weights.T) / 6.0
 
 
 def volumes_between(products: NDArray[np.float64]) -> NDArray[np.float64]:

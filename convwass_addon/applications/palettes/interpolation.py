@@ -9,6 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.chunks import chunks
+
 # Points processed together: their data fits into the processor's cache.
 _AT_ONCE = 1 << 16
 
@@ -31,8 +33,7 @@ def interpolated(tables: Sequence[NDArray[np.float32]], places: NDArray[np.float
     strides = tuple(int(np.prod(shape[axis + 1 :])) for axis in range(len(shape)))
     flat = [table.reshape(-1) for table in tables]
     found = np.empty((len(flat), places.shape[1]), dtype=places.dtype)
-    for start in range(0, places.shape[1], _AT_ONCE):
-        part = slice(start, start + _AT_ONCE)
+    for part in chunks(places.shape[1], _AT_ONCE):
         cells = np.zeros(len(places[0, part]), dtype=np.intp)
         shares = []
         for axis, size, stride in zip(places[:, part], shape, strides, strict=True):
