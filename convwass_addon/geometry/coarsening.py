@@ -22,6 +22,7 @@ from ..progress import UNINTERRUPTED, Control
 from .chunks import chunks_by_sizes
 from .closest_points import closest_in_triangles
 from .edges import edge_lengths, mesh_edges, proper_faces, proper_part, vertex_components
+from .equal_shares import at_equal_shares
 from .integer_ranges import integer_ranges
 from .label_sums import label_sums
 from .mesh import TriangleMesh
@@ -223,9 +224,7 @@ class _Fine:
             if number == len(own):
                 seeds.append(own)
                 continue
-            reached = np.cumsum(self.areas[own])
-            steps = (np.arange(number) + 0.5) / number * reached[-1]
-            seeds.append(own[np.unique(np.minimum(np.searchsorted(reached, steps), len(own) - 1))])
+            seeds.append(own[np.unique(at_equal_shares(self.areas[own], number))])
         return np.concatenate(seeds)
 
     def grown(self, seeds: NDArray[np.int64]) -> _Clusters:

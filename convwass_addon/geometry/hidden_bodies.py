@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .area_steps import at_equal_areas
 from .edges import face_components
+from .equal_shares import at_equal_shares
 from .mesh import TriangleMesh
 from .solid_angles import winding_numbers
 
@@ -30,6 +30,6 @@ def visible_triangles(mesh: TriangleMesh) -> NDArray[np.bool_]:
         if not around.any():
             continue
         others = TriangleMesh(mesh.vertices, mesh.faces[around[labels]])
-        probes = mesh.corners[own[at_equal_areas(mesh.face_areas[own], _PROBES)]].mean(axis=1)
+        probes = mesh.corners[own[at_equal_shares(mesh.face_areas[own], _PROBES)]].mean(axis=1)
         found[own] = not (np.abs(winding_numbers(probes, others)) > 0.5).all()
     return found

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .area_steps import at_equal_areas
 from .components import component_labels
 from .edges import EdgeUse, edge_use
+from .equal_shares import at_equal_shares
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .solid_angles import winding_numbers
@@ -139,6 +139,6 @@ def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) ->
     if not len(others.faces) or (others.bounds[0] > high).any() or (others.bounds[1] < low).any():
         return False
     # Evenly spread over the area, and off the surface, which the component may share with others.
-    corners = own.corners[at_equal_areas(own.face_areas, _PROBES)]
+    corners = own.corners[at_equal_shares(own.face_areas, _PROBES)]
     probes = corners.mean(axis=1) + _WITHIN * (high - low).max() * triangle_normals(corners)
     return float(np.median(winding_numbers(probes, others))) > 0.5

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.area_steps import at_equal_areas
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.equal_shares import at_equal_shares
 from ...geometry.normals import triangle_areas
 from ..morphs.appearance import Appearance
 from ..motions.motion import MovedShape
@@ -63,7 +63,7 @@ def _spread(corners: NDArray[np.float64]) -> ClosestPoints:
     Barycentric coordinates follow the R2 low-discrepancy sequence (Roberts 2018), whose steps are powers of the inverse
     plastic number.
     """
-    numbers, triangles = np.arange(_SAMPLES), at_equal_areas(triangle_areas(corners), _SAMPLES)
+    numbers, triangles = np.arange(_SAMPLES), at_equal_shares(triangle_areas(corners), _SAMPLES)
     plastic = 1.32471795724474602596
     u, v = (0.5 + numbers[:, None] / np.array([plastic, plastic**2])).T % 1.0
     beyond = u + v > 1.0

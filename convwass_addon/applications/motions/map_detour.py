@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
-from ...geometry.area_steps import at_equal_areas
+from ...geometry.equal_shares import at_equal_shares
 from ...geometry.mesh import TriangleMesh
 
 # Number of points that represent each surface.
@@ -59,7 +59,7 @@ def _spread(mesh: TriangleMesh, offsets: NDArray[np.float64]) -> float:
 
 def _points(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return centers of triangles at equal steps of area, about their mean."""
-    centers = mesh.corners[at_equal_areas(mesh.face_areas, _POINTS)].mean(axis=1)
+    centers = mesh.corners[at_equal_shares(mesh.face_areas, _POINTS)].mean(axis=1)
     return centers - centers.mean(axis=0)
 
 

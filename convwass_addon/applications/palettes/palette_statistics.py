@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...geometry.equal_shares import at_equal_shares
 
 BINS = 128
 """Bins along a and along b."""
@@ -119,6 +120,4 @@ def _histogram(ab: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray
 
 def _quantiles(values: NDArray[np.float64], weights: NDArray[np.float64]) -> NDArray[np.float64]:
     order = np.argsort(values)
-    passed = np.cumsum(weights[order])
-    wanted = (np.arange(QUANTILES) + 0.5) / QUANTILES * passed[-1]
-    return values[order][np.minimum(np.searchsorted(passed, wanted), len(values) - 1)]
+    return values[order[at_equal_shares(weights[order], QUANTILES)]]
