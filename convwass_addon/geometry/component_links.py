@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 
 from ..progress import Control
 from .edges import vertex_components
+from .label_groups import label_groups
 from .mesh import TriangleMesh
 from .poisson_deformation import Links
 
@@ -58,9 +59,8 @@ def _closest_outside(
 ) -> Iterator[tuple[NDArray[np.int64], tuple[NDArray[np.float64], NDArray[np.int64]]]]:
     """Yield the vertices of every component but the largest, and for each its nearest vertex in other components."""
     tree = cKDTree(points)
-    members = np.split(np.argsort(labels, kind="stable"), np.cumsum(sizes)[:-1])
     largest = int(sizes.argmax())
-    for label, own in enumerate(members):
+    for label, own in enumerate(label_groups(labels, len(sizes))):
         if label == largest:
             continue
         control.check()

@@ -12,9 +12,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
+from .components import component_labels
 from .integer_ranges import integer_ranges
 
 
@@ -54,8 +53,8 @@ class Pieces:
         beside, before = _meeting(starts, ends, step_y), _meeting(starts, ends, step_x)
         in_plane = starts[beside[0]] // step_x == starts[beside[1]] // step_x
         first, second = np.concatenate([beside[:, in_plane], before], axis=1)
-        count, names = _connected(first, second, len(starts))
-        return cls(inside.shape, starts, ends, names + np.int32(1), count)
+        names = component_labels(first, second, len(starts))
+        return cls(inside.shape, starts, ends, (names + 1).astype(np.int32), _count(names))
 
     @cached_property
     def labels(self) -> NDArray[np.int32]:
@@ -93,8 +92,8 @@ class Pieces:
         """Merge pairs of components."""
         if not len(first):
             return self
-        count, names = _connected(first - 1, second - 1, self.count)
-        return replace(self, names=(names + np.int32(1))[self.names - 1], count=count)
+        names = component_labels(first - 1, second - 1, self.count)
+        return replace(self, names=(names + 1).astype(np.int32)[self.names - 1], count=_count(names))
 
     def within(self) -> Pieces:
         """Drop components that touch the boundary of the grid."""
@@ -109,10 +108,8 @@ class Pieces:
         return replace(self, names=numbers[self.names], count=int(enclosed.sum()))
 
 
-def _connected(first: NDArray[np.int64], second: NDArray[np.int64], count: int) -> tuple[int, NDArray[np.int32]]:
-    links = csr_array((np.ones(len(first), np.int8), (first, second)), shape=(count, count))
-    found, names = connected_components(links, directed=False)
-    return int(found), names
+def _count(names: NDArray[np.int64]) -> int:
+    return int(names.max(initial=-1)) + 1
 
 
 def _meeting(starts: NDArray[np.int64], ends: NDArray[np.int64], step: int) -> NDArray[np.int64]:

@@ -21,6 +21,7 @@ from .boxes import Box, grown_box
 from .gap_bridging import growing_tip, raised_along, way_across
 from .gaps import densest_gaps
 from .handle_places import RAISED
+from .label_groups import label_groups
 from .labelling import Pieces
 from .piece_trees import PieceTrees
 
@@ -114,10 +115,8 @@ def join_pieces(density: NDArray[np.floating], level: float, pieces: Pieces, mos
 def _cells_of(labels: NDArray[np.int32], count: int) -> list[NDArray[np.int64]]:
     """Return the cells, (n, 3), of every piece from 1 to `count`."""
     inside = np.flatnonzero(labels)
-    names = labels.ravel()[inside]
-    order = np.argsort(names, kind="stable")
-    cells = np.stack(np.unravel_index(inside[order], labels.shape), axis=-1)
-    return np.split(cells, np.cumsum(np.bincount(names, minlength=count + 1)[1:])[:-1])
+    groups = label_groups(labels.ravel()[inside] - 1, count)
+    return [np.stack(np.unravel_index(inside[own], labels.shape), axis=-1) for own in groups]
 
 
 def grown_share(share: float, height: float, width: float, length: float) -> float:

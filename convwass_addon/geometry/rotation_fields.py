@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial.transform import Rotation
 
 from .components import component_labels
+from .label_groups import label_groups
 
 LARGEST_TURN = 1.5 * np.pi
 """Three quarters of a turn, in radians: no limb rotates farther, but maps of surfaces can twist feet and hands."""
@@ -149,8 +150,9 @@ def _tree_levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list
 
 def _roots(vectors: NDArray[np.float64], labels: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return for every component the vertex whose vector is nearest to the median."""
-    order = np.argsort(labels, kind="stable")
-    members = np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
     return np.array(
-        [own[np.square(vectors[own] - np.median(vectors[own], axis=0)).sum(axis=1).argmin()] for own in members]
+        [
+            own[np.square(vectors[own] - np.median(vectors[own], axis=0)).sum(axis=1).argmin()]
+            for own in label_groups(labels, int(labels.max()) + 1)
+        ]
     )

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..geometry.components import component_labels
+from ..geometry.label_groups import label_groups
 from ..sentence import first_names
 
 
@@ -90,9 +91,7 @@ class PropagationGraph:
     @cached_property
     def ends_at(self) -> tuple[NDArray[np.int64], ...]:
         """The ends at every vertex, one array for each of the `size` vertices."""
-        order = np.argsort(self.vertex_of_end, kind="stable")
-        counts = np.bincount(self.vertex_of_end, minlength=self.size)
-        return tuple(np.split(order, np.cumsum(counts)[:-1]))
+        return tuple(label_groups(self.vertex_of_end, self.size))
 
     @cached_property
     def parts(self) -> NDArray[np.int64]:

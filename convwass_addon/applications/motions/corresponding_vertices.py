@@ -14,6 +14,7 @@ from scipy.spatial.distance import cdist
 
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.edges import proper_faces, vertex_components
+from ...geometry.label_groups import label_groups
 from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.rotations import nearest_rotation
@@ -145,8 +146,7 @@ class _Components:
 
         In areas of the shapes, relative to their centers, and after the first one is turned.
         """
-        ordered = np.argsort(self.kinds, kind="stable")
-        groups = np.split(ordered, np.flatnonzero(np.diff(self.kinds[ordered])) + 1)
+        groups = label_groups(self.kinds, int(self.kinds.max()) + 1)
         here, there = self.centers[0] @ self.turn.T, self.centers[1]
         return sum(_excess_of_kind(here[own], there[own], self.areas[own]) for own in groups if len(own) > 1)
 
