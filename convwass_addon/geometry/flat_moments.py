@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .outlines import ring_area
+from .plane_angles import plane_cross
 from .ring_nesting import is_within
 
 # If the spreads along the two axes differ by less than this fraction, there is no long axis.
@@ -43,13 +44,13 @@ class FlatMoments:
             return cls(0.0, np.zeros(2), None)
         middle = starts.mean(axis=0)
         a, b = starts - middle, ends - middle
-        doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        doubled = plane_cross(a, b)
         area = 0.5 * float(doubled.sum())
         if area <= 0:
             return cls(0.0, middle, None)
         center = ((a + b) * doubled[:, None]).sum(axis=0) / (6.0 * area)
         a, b = a - center, b - center
-        doubled = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        doubled = plane_cross(a, b)
         # Second moments of triangles with one corner at the origin.
         outer = np.einsum("ei,ej->eij", a, a) + np.einsum("ei,ej->eij", b, b)
         outer += 0.5 * (np.einsum("ei,ej->eij", a, b) + np.einsum("ei,ej->eij", b, a))

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .plane_angles import plane_cross
+
 
 def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return normalized vectors, (n, d); zero vectors stay zero."""
@@ -38,8 +40,7 @@ def triangle_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def doubled_areas(corners: NDArray[np.floating]) -> NDArray[np.floating]:
     """Return twice the signed areas of triangles in a plane, (m,), from their corners, (m, 3, 2)."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    return plane_cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
 
 
 def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:

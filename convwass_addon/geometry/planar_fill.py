@@ -18,6 +18,7 @@ from ..errors import InputError
 from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 from .outlines import Rule
+from .plane_angles import plane_cross
 
 # Steps of the lattice along the longest side: products of two doubled coordinates are exact in 64 bits. The coarser
 # lattices are for curves that are only one step apart.
@@ -60,14 +61,14 @@ class Boundary:
         if not len(self.starts):
             return 0.0
         middle = self.starts.mean(axis=0)
-        return 0.5 * float(_cross(self.starts - middle, self.ends - middle).sum())
+        return 0.5 * float(plane_cross(self.starts - middle, self.ends - middle).sum())
 
     @property
     def center(self) -> NDArray[np.float64]:
         """Center of mass of the filled area, (2,)."""
         middle = self.starts.mean(axis=0)
         starts, ends = self.starts - middle, self.ends - middle
-        doubled = _cross(starts, ends)
+        doubled = plane_cross(starts, ends)
         return middle + ((starts + ends) * doubled[:, None]).sum(axis=0) / (3.0 * doubled.sum())
 
     @property
@@ -238,16 +239,16 @@ def _lies_on(corner: Points, start: Points, end: Points) -> NDArray[np.bool_]:
     squared = (along * along).sum(axis=1)
     reached = (along * away).sum(axis=1)
     inside = (reached > 0) & (reached < squared)
-    return inside & (np.abs(_cross(along, away)) <= _ON_EDGE * np.sqrt(squared.astype(np.float64)))
+    return inside & (np.abs(plane_cross(along, away)) <= _ON_EDGE * np.sqrt(squared.astype(np.float64)))
 
 
 def _crossings(a: Points, b: Points, c: Points, d: Points) -> tuple[NDArray[np.bool_], Points]:
     """Return which edges a-b and c-d cross in their interiors, and the nearest lattice points of the crossings."""
     one, other = b - a, d - c
-    sides = [np.sign(_cross(*pair)) for pair in ((one, c - a), (one, d - a), (other, a - c), (other, b - c))]
+    sides = [np.sign(plane_cross(*pair)) for pair in ((one, c - a), (one, d - a), (other, a - c), (other, b - c))]
     crossing = (sides[0] * sides[1] < 0) & (sides[2] * sides[3] < 0)
     one, other, between = one[crossing], other[crossing], (c - a)[crossing]
-    share = _cross(between, other) / _cross(one, other)
+    share = plane_cross(between, other) / plane_cross(one, other)
     return crossing, np.rint(a[crossing] + share[:, None] * one).astype(np.int64)
 
 
@@ -308,7 +309,3 @@ def _turns_beyond(edges: _Edges, axis: int, wanted: NDArray[np.bool_]) -> NDArra
         away = (place[row, 0] - low[column, axis]) * rise - (height[row, 0] - low[column, other]) * run
         found[part] = np.bincount(row, sign[column] * (away < 0), minlength=len(part)).astype(np.int64)
     return found
-
-
-def _cross(one: NDArray, other: NDArray) -> NDArray:
-    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]

@@ -10,6 +10,7 @@ from scipy.spatial import Delaunay, cKDTree
 
 from .edges import edge_ends, edge_use
 from .mesh import TriangleMesh
+from .normals import doubled_areas
 from .planar_fill import Boundary
 from .subdivision import with_edges_halved
 
@@ -44,8 +45,7 @@ def planar_mesh(boundary: Boundary, edge: float) -> TriangleMesh:
     points = np.concatenate([rim, inner])
     # Far from the origin, Qhull takes small triangles for flat.
     triangles = Delaunay(points - points.mean(axis=0)).simplices.astype(np.int64)
-    one, other = (points[triangles[:, corner]] - points[triangles[:, 0]] for corner in (1, 2))
-    doubled = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+    doubled = doubled_areas(points[triangles])
     triangles = np.where((doubled < 0)[:, None], triangles[:, ::-1], triangles)
     kept = (np.abs(doubled) > _LEAST_AREA * edge**2) & boundary.contains(points[triangles].mean(axis=1))
     return TriangleMesh(np.column_stack([points, np.zeros(len(points))]), triangles[kept])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Angles and rotations in the plane."""
+"""Cross products, angles and rotations in the plane."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 
+def plane_cross(one: NDArray[np.number], other: NDArray[np.number]) -> NDArray[np.number]:
+    """Return the cross products, (...,), of vectors in the plane, (..., 2): positive if the second is to the left."""
+    return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+
+
 def signed_angles(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the angles in radians, (...,), from some vectors, (..., 2), to others, positive to the left."""
-    crosses = before[..., 0] * after[..., 1] - before[..., 1] * after[..., 0]
-    return np.arctan2(crosses, (before * after).sum(axis=-1))
+    return np.arctan2(plane_cross(before, after), (before * after).sum(axis=-1))
 
 
 def best_turn(points: NDArray[np.float64], others: NDArray[np.float64]) -> float:
     """Return the angle in radians of the rotation about the origin that brings points, (k, 2), closest to others."""
-    crosses = points[:, 0] * others[:, 1] - points[:, 1] * others[:, 0]
-    return float(np.arctan2(crosses.sum(), (points * others).sum()))
+    return float(np.arctan2(plane_cross(points, others).sum(), (points * others).sum()))
 
 
 def rotated(points: NDArray[np.float64], angle: float) -> NDArray[np.float64]:

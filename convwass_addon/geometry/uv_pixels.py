@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 
 from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
+from .plane_angles import plane_cross
 
 PIXELS_AT_ONCE = 2_000_000
 """Pixels of triangle bounding boxes processed together."""
@@ -108,11 +109,11 @@ def _barycentric(corners: NDArray[np.float64], points: NDArray[np.int64]) -> NDA
     """Return barycentric coordinates of points in triangles, (p, 3); -1 in triangles without area."""
     a, b, c = corners.swapaxes(0, 1)
     ab, ac, ap = b - a, c - a, points - a
-    area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+    area = plane_cross(ab, ac)
     solid = area != 0.0
     divisor = np.where(solid, area, 1.0)
-    second = (ap[:, 0] * ac[:, 1] - ap[:, 1] * ac[:, 0]) / divisor
-    third = (ab[:, 0] * ap[:, 1] - ab[:, 1] * ap[:, 0]) / divisor
+    second = plane_cross(ap, ac) / divisor
+    third = plane_cross(ab, ap) / divisor
     weights = np.stack([1.0 - second - third, second, third], axis=1)
     weights[~solid] = -1.0
     return weights
