@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
@@ -197,6 +197,14 @@ def _format_scene(how: ImageFormat) -> Iterator[bpy.types.Scene]:
         yield scene
     finally:
         bpy.data.scenes.remove(scene)
+
+
+def opaque_pixels(colors: ArrayLike) -> NDArray[np.float32]:
+    """Return colors, (height, width, 3), or grays, (height, width, 1), as pixels with an alpha of 1."""
+    colors = np.asarray(colors)
+    pixels = np.ones((*colors.shape[:2], 4), np.float32)
+    pixels[..., :3] = colors
+    return pixels
 
 
 def pixel_values(image: bpy.types.Image) -> NDArray[np.float32]:

@@ -19,7 +19,7 @@ from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
 from ..element_values import MeshTriangles, element_values
 from ..files import absolute_folder, file_stem, made_folder
-from ..image_files import ImageFormat, drawn_image, write_image
+from ..image_files import ImageFormat, drawn_image, opaque_pixels, write_image
 from ..mesh_checks import readable_mesh, require_not_edited
 from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
@@ -229,13 +229,6 @@ def _written(
     how = ImageFormat(settings.file_format, "BW", DEPTHS[settings.file_format])
     for values, path in zip(frames, paths, strict=True):
         # The view transform must not change the values.
-        with drawn_image(_gray(pixels.picture(values)), "Non-Color") as image:
+        with drawn_image(opaque_pixels(pixels.picture(values)[..., None]), "Non-Color") as image:
             write_image(image, path, how)
         yield path
-
-
-def _gray(values: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return values, (height, width), as gray pixels, (height, width, 4)."""
-    rgba = np.ones((*values.shape, 4), dtype=np.float32)
-    rgba[..., :3] = values[..., None]
-    return rgba

@@ -21,7 +21,7 @@ from ...sentence import Sentence
 from ..element_values import element_values, write_attribute, write_floats
 from ..files import absolute_folder, file_stem
 from ..handles import Handle
-from ..image_files import image_path
+from ..image_files import image_path, opaque_pixels
 from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
 from ..object_names import without_number
@@ -420,7 +420,6 @@ def _image(name: str, pixels: NDArray[np.float32], channel: Channel) -> bpy.type
     image = bpy.data.images.new(name, size, size, alpha=False)
     image.colorspace_settings.name = "sRGB" if channel.is_color else "Non-Color"
     values = srgb(pixels) if channel.is_color else np.clip(pixels, 0.0, 1.0)
-    stored = np.concatenate([values, np.ones((size, size, 1))], axis=2).astype(np.float32)
-    image.pixels.foreach_set(stored.ravel())
+    image.pixels.foreach_set(opaque_pixels(values).ravel())
     image.update()
     return image

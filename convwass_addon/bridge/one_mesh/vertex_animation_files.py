@@ -18,7 +18,7 @@ from ...applications.palettes.png_bytes import png_bytes
 from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
 from ..element_values import element_values, write_floats
-from ..image_files import ImageFormat, drawn_image, save_image
+from ..image_files import ImageFormat, drawn_image, opaque_pixels, save_image
 from ..scene_writing import write_draft, write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -148,17 +148,13 @@ def _needed_bytes(animation: VertexAnimation, mesh: bpy.types.Mesh) -> int:
 
 def _write_png(pixels: NDArray[np.uint8], path: Path, drafts: DraftFiles) -> None:
     """Write an 8-bit image, (height, width, 3), top row first."""
-    opaque = np.ones((*pixels.shape[:2], 4), np.float32)
-    opaque[..., :3] = pixels / np.float32(255.0)
     with drafts.written(path) as draft:
-        draft.write_bytes(png_bytes(opaque[::-1]))
+        draft.write_bytes(png_bytes(opaque_pixels(pixels / np.float32(255.0))[::-1]))
 
 
 def _write_exr(pixels: NDArray[np.float32], path: Path, drafts: DraftFiles) -> None:
     """Write an image of floats, (height, width, 3), top row first."""
-    opaque = np.ones((*pixels.shape[:2], 4), np.float32)
-    opaque[..., :3] = pixels
-    with drawn_image(opaque[::-1], "Non-Color") as image, drafts.written(path) as draft:
+    with drawn_image(opaque_pixels(pixels)[::-1], "Non-Color") as image, drafts.written(path) as draft:
         save_image(image, draft, _EXR)
 
 

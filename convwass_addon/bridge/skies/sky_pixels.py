@@ -14,7 +14,15 @@ from scipy.sparse import csr_array
 from ...applications.palettes.lab_colors import linear_of_srgb
 from ...errors import InputError
 from ...transport.sphere import solid_angles
-from ..image_files import ImageFormat, drawn_image, opened_image, pixel_values, refuse_damaged, write_image
+from ..image_files import (
+    ImageFormat,
+    drawn_image,
+    opaque_pixels,
+    opened_image,
+    pixel_values,
+    refuse_damaged,
+    write_image,
+)
 from ..palettes.image_pixels import image_format
 
 
@@ -106,7 +114,5 @@ def write_sky(path: Path, sky: NDArray[np.float32]) -> None:
     ConvwassError
         Blender or the system could not write the file.
     """
-    rgba = np.ones((*sky.shape[:2], 4), dtype=np.float32)
-    rgba[..., :3] = turned(sky)[::-1]
-    with drawn_image(rgba) as image:
+    with drawn_image(opaque_pixels(turned(sky)[::-1])) as image:
         write_image(image, path, ImageFormat("OPEN_EXR", "RGB", "32"))
