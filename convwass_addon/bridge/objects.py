@@ -177,7 +177,7 @@ def world_copy(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     """
     copy = bpy.data.objects.new(name, obj.data.copy())
     copy.color = obj.color
-    transform_mesh(copy.data, obj.matrix_world, shape_keys=True)
+    transform_mesh(copy.data, obj.matrix_world)
     return copy
 
 
@@ -192,7 +192,7 @@ def place_mesh(obj: bpy.types.Object, matrix: Matrix) -> None:
         The world matrix.
     """
     if is_sheared(matrix):
-        transform_mesh(obj.data, matrix.to_3x3().to_4x4(), shape_keys=True)
+        transform_mesh(obj.data, matrix.to_3x3().to_4x4())
         obj.location = matrix.translation
     else:
         obj.matrix_world = matrix
@@ -259,8 +259,8 @@ def unsheared_factors(matrix: Matrix) -> tuple[Matrix, Matrix]:
     return place, Matrix(right.tolist()).to_4x4()
 
 
-def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = False) -> None:
-    """Transform a mesh with its custom normals and its velocity.
+def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix) -> None:
+    """Transform a mesh with its shape keys, its custom normals and its velocity.
 
     Faces that point outward still do if the matrix mirrors them.
 
@@ -270,12 +270,10 @@ def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = F
         The mesh.
     matrix : Matrix
         The transform.
-    shape_keys : bool
-        Whether to transform shape keys, too.
     """
     normals = _transformed_normals(mesh, matrix)
     before = _corner_order(mesh) if normals is not None else None
-    mesh.transform(matrix, shape_keys=shape_keys)
+    mesh.transform(matrix, shape_keys=True)
     if matrix.is_negative:
         mesh.flip_normals()
     if normals is not None:

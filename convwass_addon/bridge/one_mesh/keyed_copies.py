@@ -198,7 +198,7 @@ class KeyedCopies:
 def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
     """Place an object in every frame from 0 on, with keys in an action if it moves; its mesh takes a shear."""
     if any(map(is_sheared, places)):
-        transform_mesh(copy.data, places[0], shape_keys=True)
+        transform_mesh(copy.data, places[0])
         # Free of shear if only its parent moves.
         places = [place @ places[0].inverted_safe() for place in places]
     copy.matrix_world = places[0]

@@ -181,7 +181,7 @@ def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply:
         return frozen_copy(obj, depsgraph)
     mesh = obj.data.copy()
     take_own_materials(mesh, obj)
-    transform_mesh(mesh, obj.matrix_world, shape_keys=True)
+    transform_mesh(mesh, obj.matrix_world)
     return mesh
 
 
