@@ -21,6 +21,7 @@ from .object_copies import copied, copies_of, has_copies
 from .objects import MESHED, checked_vertices, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
+from .unused_data import removed_on_errors
 from .visibility import current_objects, evaluated_object
 
 Builder = Callable[[bpy.types.NodeTree], bpy.types.NodeSocket | None]
@@ -160,14 +161,11 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
     depsgraph.update()
     evaluated = probe.evaluated_get(depsgraph)
     mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    try:
+    with removed_on_errors([mesh]):
         if not len(mesh.polygons):
             raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)
         # Parts of instances are not checked one by one.
         checked_vertices(source.name, mesh)
-    except InputError:
-        bpy.data.meshes.remove(mesh)
-        raise
     mesh.name = source.name
     return mesh
 

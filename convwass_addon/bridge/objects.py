@@ -22,6 +22,7 @@ from .element_values import element_values, triangle_corners, vectors_of, write_
 from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
+from .unused_data import removed_on_errors
 from .visibility import current_objects, evaluated_object
 
 if TYPE_CHECKING:
@@ -145,12 +146,9 @@ def frozen_copy(
         checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-        try:
+        with removed_on_errors([mesh]):
             _check_faces(obj.name, evaluated, mesh)
             checked_vertices(obj.name, mesh)
-        except InputError:
-            bpy.data.meshes.remove(mesh)
-            raise
     mesh.name = obj.name
     take_own_materials(mesh, obj)
     transform_mesh(mesh, world)

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remove data-blocks that nothing uses any more."""
+"""Remove data-blocks that nothing uses any more, or that could not be completed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 
@@ -12,6 +13,16 @@ import bpy
 def remove_if_unused(blocks: Iterable[bpy.types.ID | None]) -> None:
     """Remove those of some data-blocks that nothing uses; None stands for one that is missing."""
     bpy.data.batch_remove({block for block in blocks if block is not None and not block.users})
+
+
+@contextmanager
+def removed_on_errors(blocks: Iterable[bpy.types.ID]) -> Iterator[None]:
+    """Remove data-blocks if the context ends with an error; a list may grow until then."""
+    try:
+        yield
+    except BaseException:
+        bpy.data.batch_remove(list(blocks))
+        raise
 
 
 def remove_with_data(objects: Sequence[bpy.types.Object]) -> None:

@@ -14,6 +14,7 @@ from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ..blend_files import appended_objects, open_blend, several_meshes
 from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
+from ..unused_data import removed_on_errors
 
 
 @dataclass(frozen=True)
@@ -80,12 +81,9 @@ def _found_rig(source: Source, opened: Path | None, body: bpy.types.Object) -> b
         objects = list(bpy.context.scene.objects)
         return _named(source, objects) if source.object_name else _only_rig(source, objects)
     objects = _appended(source) if _is_blend(source) else _read(source)
-    try:
+    with removed_on_errors(objects):
         # A named object is imported alone, possibly under another name.
         rig = objects[0] if source.object_name else _only_rig(source, objects)
-    except InputError:
-        bpy.data.batch_remove(objects)
-        raise
     kept = {rig, body}
     parent = rig.parent
     while parent is not None:

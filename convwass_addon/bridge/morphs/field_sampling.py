@@ -29,6 +29,7 @@ from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..sequence import write_table
+from ..unused_data import removed_on_errors
 from .field_sampler import SampleGrid, field_sampler
 from .stored import frame_weights
 from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
@@ -91,7 +92,7 @@ def store_fields(
     data = bpy.data.meshes.new(f"{name} Fields")
     data.vertices.add(int(np.prod(grid.shape)))
     volumes, enclosed, lost, last = [], [], [], None
-    try:
+    with removed_on_errors([data]):
         for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True), start=1):
             inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
             closed = closed_surface(inner, grid.shape) if own.max() == 1.0 else inner
@@ -105,9 +106,6 @@ def store_fields(
             last = field
             done = {"done": number, "total": len(meshes)}
             yield Progress(number / len(meshes), Sentence("Blend {done} of {total}", done))
-    except BaseException:
-        bpy.data.meshes.remove(data)
-        raise
     own = [
         Column(OFFSET, "FLOAT_VECTOR", offsets),
         Column(VOLUME, "FLOAT", np.array(volumes)),

@@ -26,6 +26,7 @@ from ..node_math import new_node
 from ..objects import MESHED, frozen_copy, triangle_mesh
 from ..sequence import MODIFIER, frame_group, transformed
 from ..shape_sources import ShapeSource
+from ..unused_data import removed_on_errors
 from .animated_inputs import data_of
 from .frozen_inputs import FrozenInput
 from .materials import shows_object_color
@@ -96,24 +97,20 @@ def followed_inputs(
     _refuse_failing_drivers(sources)
     scene, readings = bpy.context.scene, [_Reading() for _ in sources]
     stations: dict[int, bpy.types.Mesh] = {}
-    try:
-        with returning(scene), progress_at_mouse() as show:
-            for number, blend in enumerate(blends):
-                show(number / len(blends))
-                show_time(scene, first_frame + blend.frame)
-                depsgraph = bpy.context.evaluated_depsgraph_get()
-                for index, source in enumerate(sources):
-                    if blend.weights[index] > 0:
-                        move = None if moves is None else moves[index]
-                        with _naming_frame(source, first_frame + blend.frame), joined_shape(source, depsgraph) as obj:
-                            mesh = triangle_mesh(obj, depsgraph, MESHED)
-                            readings[index].add(blend.frame, mesh if move is None else move.moved(mesh))
-                            if blend.source == index:
-                                stations[index] = frozen_copy(obj, depsgraph, MESHED)
-                                stations[index].transform(Matrix.Identity(4) if move is None else Matrix(move.matrix))
-    except InputError:
-        bpy.data.batch_remove(list(stations.values()))
-        raise
+    with removed_on_errors(stations.values()), returning(scene), progress_at_mouse() as show:
+        for number, blend in enumerate(blends):
+            show(number / len(blends))
+            show_time(scene, first_frame + blend.frame)
+            depsgraph = bpy.context.evaluated_depsgraph_get()
+            for index, source in enumerate(sources):
+                if blend.weights[index] > 0:
+                    move = None if moves is None else moves[index]
+                    with _naming_frame(source, first_frame + blend.frame), joined_shape(source, depsgraph) as obj:
+                        mesh = triangle_mesh(obj, depsgraph, MESHED)
+                        readings[index].add(blend.frame, mesh if move is None else move.moved(mesh))
+                        if blend.source == index:
+                            stations[index] = frozen_copy(obj, depsgraph, MESHED)
+                            stations[index].transform(Matrix.Identity(4) if move is None else Matrix(move.matrix))
     times = {blend.source: float(blend.frame) for blend in blends if blend.source is not None}
     shapes = [ShapeAnimation(tuple(map(float, own.times)), tuple(own.meshes)) for own in readings]
     everything = range(len(sources))

@@ -11,7 +11,6 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...errors import InputError
 from ...geometry.alignment import RigidMove
 from ..element_values import element_values
 from ..handles import Handle
@@ -19,6 +18,7 @@ from ..joined_shapes import current_shapes, joined_shape
 from ..object_values import ObjectValues
 from ..objects import MESHED, frozen_copy
 from ..shape_sources import ShapeSource
+from ..unused_data import removed_on_errors
 from .materials import input_color
 
 
@@ -55,19 +55,15 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
     """Copy all inputs, or none if one of them cannot be copied, and align the copies."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
-    try:
-        with current_shapes(sources, depsgraph):
-            for source, move in zip(sources, moves, strict=True):
-                with joined_shape(source, depsgraph) as obj:
-                    meshes.append(frozen_copy(obj, depsgraph, MESHED))
-                    place = np.array(obj.matrix_world)
-                    if move is not None:
-                        meshes[-1].transform(Matrix(move.matrix))
-                        place = np.array(move.matrix) @ place
-                    shapes.append(replace(_described(source, obj, meshes[-1]), own_space=np.linalg.pinv(place)))
-    except InputError:
-        bpy.data.batch_remove(meshes)
-        raise
+    with removed_on_errors(meshes), current_shapes(sources, depsgraph):
+        for source, move in zip(sources, moves, strict=True):
+            with joined_shape(source, depsgraph) as obj:
+                meshes.append(frozen_copy(obj, depsgraph, MESHED))
+                place = np.array(obj.matrix_world)
+                if move is not None:
+                    meshes[-1].transform(Matrix(move.matrix))
+                    place = np.array(move.matrix) @ place
+                shapes.append(replace(_described(source, obj, meshes[-1]), own_space=np.linalg.pinv(place)))
     return shapes
 
 

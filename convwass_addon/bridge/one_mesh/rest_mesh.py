@@ -18,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
-from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..armatures.rigs import is_posed
 from ..element_values import vectors_of, write_floats
 from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
+from ..unused_data import removed_on_errors
 from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
 from .skinning import approximation_notices, armatures, deforms_by_groups, skinning
@@ -127,11 +127,8 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
         return RestMesh(_world_copy(obj, depsgraph, apply=bool(before)), seen, None, (), notices)
     with hidden_modifiers(rigged):
         mesh = _local_copy(obj, depsgraph) if before else obj.data.copy()
-    try:
+    with removed_on_errors([mesh]):
         linear = skinning(obj, rigged, mesh)[:, :3, :3]
-    except InputError:
-        bpy.data.meshes.remove(mesh)
-        raise
     return RestMesh(mesh, seen, linear, kept, [*notices, *approximation_notices(obj, rigged)])
 
 
@@ -155,11 +152,8 @@ def at_rest(obj: bpy.types.Object, mesh: bpy.types.Mesh, seen: NDArray[np.float6
     rigged = armatures(obj)
     if not rigged:
         return RestMesh(mesh, seen, None, (), [])
-    try:
+    with removed_on_errors([mesh]):
         transforms = skinning(obj, rigged, mesh)
-    except InputError:
-        bpy.data.meshes.remove(mesh)
-        raise
     linear = transforms[:, :3, :3]
     rest = np.linalg.solve(linear, (seen - transforms[:, :3, 3])[..., None])[..., 0]
     write_floats(mesh.vertices, "co", rest)

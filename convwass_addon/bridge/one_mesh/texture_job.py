@@ -25,6 +25,7 @@ from ..image_files import image_path, opaque_pixels
 from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
 from ..object_names import without_number
+from ..unused_data import removed_on_errors
 from .moving_meshes import srgb
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
@@ -247,11 +248,8 @@ class TextureJob:
         images = [image for own in made.values() for image in own.images]
         earlier = _earlier_material(obj.data)
         before = _earlier_images(images, earlier)
-        try:
+        with removed_on_errors(images):
             files = [self._stored(image, before.get(image, image).name) for image in images if self._folder]
-        except BaseException:
-            bpy.data.batch_remove(images)
-            raise
         for image, old in before.items():
             _replace(old, image)
         _reload_files(files, images)

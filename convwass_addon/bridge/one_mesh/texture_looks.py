@@ -23,7 +23,7 @@ from ..morphs.bake import assign_default_material
 from ..object_values import ObjectValues
 from ..objects import stand, take_own_materials, triangle_mesh
 from ..scene_values import SceneValues
-from ..unused_data import remove_if_unused
+from ..unused_data import remove_if_unused, removed_on_errors
 from ..vertex_groups import read_group
 from ..visibility import evaluated_object
 from .records import SHAPES_KEY, key_names, key_records
@@ -188,14 +188,11 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     onto = _posed(obj, prepared, positions)
     points = transformed_points(there.vertices, placement)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    try:
+    with removed_on_errors([onto.mesh.find()]):
         _check_arrival(onto, points[there.faces], slider, diagonal, float(record.get("distance_95", 0.0)))
         with evaluated_object(shape, depsgraph) as evaluated:
             world = placement @ np.array(evaluated.matrix_world, dtype=np.float64)
             mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    except InputError:
-        bpy.data.meshes.remove(onto.mesh.find())
-        raise
     take_own_materials(mesh, shape)
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
