@@ -164,3 +164,8 @@ def within(work: Work[Result], begin: float, end: float, message: Sentence | Non
             return done.value
         fraction = begin + (end - begin) * report.fraction
         yield replace(report, fraction=fraction, message=message or report.message)
+
+
+def as_part(work: Work[Result], number: int, count: int) -> Work[Result]:
+    """Report work as one of so many equal parts of other work, by its number from 0."""
+    return within(work, number / count, (number + 1) / count)

@@ -11,6 +11,7 @@ from convwass_addon.progress import (
     Progress,
     Request,
     Work,
+    as_part,
     drained,
     payloads,
     watched,
@@ -65,6 +66,12 @@ def test_control_follows_its_parents_but_not_its_children():
 def test_within_can_replace_messages():
     reports = list(within(counting(2), 0.0, 1.0, Sentence("Preparing")))
     assert [str(report.message) for report in reports] == ["Preparing", "Preparing"]
+
+
+def test_parts_divide_the_fractions_evenly():
+    reports = [report.fraction for number in range(4) for report in as_part(counting(2), number, 4)]
+    expected = [report.fraction for report in counting(2)]
+    assert reports == [0.25 * (number + fraction) for number in range(4) for fraction in expected]
 
 
 def test_payloads_are_distinguished_by_type():

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import Cancelled, InputError
 from ...geometry.planar_fill import Boundary
-from ...progress import Control, Progress, Work, within
+from ...progress import Control, Progress, Work, as_part
 from ...sentence import Sentence
 from ..morphs.layouts import Blend, pairs_of
 from ..motions.choosing import chosen_motion
@@ -152,7 +152,7 @@ def chosen_flat_motion(
     count, moved = len(filled[0].parts), []
     for index in range(count):
         work = _moved_part([each.parts[index] for each in filled], names, pairs_of(blends), settings, control)
-        moved.append((yield from within(work, index / count, (index + 1) / count)))
+        moved.append((yield from as_part(work, index, count)))
     choices = tuple(own.choice for own in moved)
     record = min(choices, key=lambda choice: (choice.motion is not None, -choice.turned)).record()
     if all(choice.motion is None for choice in choices):

@@ -10,7 +10,7 @@ from dataclasses import replace
 from ...errors import Cancelled
 from ...geometry.common_axes import plane_share
 from ...geometry.mesh import TriangleMesh
-from ...progress import Control, Progress, Work, within
+from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
 from ..outlines.revolved_motion import revolved_motion
@@ -86,8 +86,7 @@ def _by_separate_bodies(apart: SeparateBodies, control: Control) -> Work[MotionC
         if choice is None:
             if all(map(is_compact, request.shapes)):
                 return None
-            begin, end = (share / len(apart.requests) for share in (number, number + 1))
-            choice = yield from within(_unless_outlined(request, control), begin, end)
+            choice = yield from as_part(_unless_outlined(request, control), number, len(apart.requests))
         if choice.kind != "guided":
             return None
         found.append(choice)

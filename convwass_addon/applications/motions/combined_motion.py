@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.surface_rotations import surface_rotations
-from ...progress import Control, Work, within
+from ...progress import Control, Work, as_part
 from .guided_motion import GuidedMotion
 from .motion import MovedShape, weights_between
 from .motion_request import MotionRequest
@@ -117,5 +117,5 @@ def combined_motion(
             control,
             effort,
         )
-        warps[pair] = yield from within(work, number / len(pairs), (number + 1) / len(pairs))
+        warps[pair] = yield from as_part(work, number, len(pairs))
     return CombinedMotion(guided, warps, arrival)

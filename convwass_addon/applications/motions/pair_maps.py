@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.mesh import TriangleMesh, is_level
 from ...geometry.mirror_planes import MirrorPlanes
 from ...geometry.normals import triangle_normals
-from ...progress import Control, Work, within
+from ...progress import Control, Work, as_part, within
 from ..soft_maps.map_sides import MapSide
 from ..soft_maps.map_solving import soft_map_steps
 from ..soft_maps.soft_map_settings import SoftMapSettings
@@ -167,8 +167,7 @@ def _with_guides(
     ways = list(product([groups, None] if groups else [None], starts))
     tried = []
     for number, (own, start) in enumerate(ways):
-        begin, end = number / len(ways), (number + 1) / len(ways)
-        found = yield from within(_solved(shapes, start, own), begin, end)
+        found = yield from as_part(_solved(shapes, start, own), number, len(ways))
         tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break

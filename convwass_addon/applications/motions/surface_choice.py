@@ -7,7 +7,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ...errors import Cancelled
-from ...progress import Control, Progress, Work, within
+from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.revolved_motion import motion_with_parts
 from .limbs import is_compact
@@ -87,9 +87,8 @@ def _may_all_map(candidates: MotionCandidates) -> Work[bool]:
     pairs = candidates.request.pairs
     for number, pair in enumerate(pairs):
         one, other = (candidates.request.shapes[shape] for shape in pair)
-        begin, end = (share / len(pairs) for share in (number, number + 1))
         try:
-            if not (yield from within(may_map(one, other, candidates.control), begin, end)):
+            if not (yield from as_part(may_map(one, other, candidates.control), number, len(pairs))):
                 return False
         except Cancelled:
             raise

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...one_line import one_line
-from ...progress import UNINTERRUPTED, Control, Progress, Work, within
+from ...progress import UNINTERRUPTED, Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from .ggx_fit import GgxFit, fit_ggx
 from .lobe_interpolation import InterpolatedLobes, LobeBlend, blend_weights
@@ -100,7 +100,7 @@ def blended_frames(blend: LobeBlend, weights: NDArray[np.float64], control: Cont
     rows = [blend_weights(row, len(blend.tables)) for row in weights]
     before: InterpolatedLobes | None = None
     for index, row in enumerate(rows):
-        work = within(blend.steps(row, before, control), index / len(rows), (index + 1) / len(rows))
+        work = as_part(blend.steps(row, before, control), index, len(rows))
         before = yield from _numbered(work, index + 1, len(rows))
         yield Progress((index + 1) / len(rows), Sentence("Fitting"), _frame(row, before))
 

@@ -16,7 +16,7 @@ import bpy
 from ...applications.soft_maps.surface_maps import PointMap
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...progress import UNINTERRUPTED, Control, Work, within
+from ...progress import UNINTERRUPTED, Control, Work, as_part
 from ...sentence import Sentence
 from ..blend_files import listed_names
 from .soft_map_requests import TransferRequest
@@ -102,7 +102,7 @@ class CarriedPart(Protocol):
 def all_carried(parts: Collection[CarriedPart], control: Control = UNINTERRUPTED) -> Work[None]:
     """Compute all parts in order."""
     for place, part in enumerate(parts):
-        yield from within(part.steps(control), place / len(parts), (place + 1) / len(parts))
+        yield from as_part(part.steps(control), place, len(parts))
         control.check()
 
 
