@@ -90,8 +90,8 @@ def rigidly_moved(
     counts = np.maximum(np.bincount(parts), 1)[:, None]
     centers = [label_sums(parts, each, len(counts)) / counts for each in (points, followed)]
     before, after = points - centers[0][parts], followed - centers[1][parts]
-    products = np.zeros((len(counts), 3, 3))
-    np.add.at(products, parts, np.einsum("ni,nj->nij", after, before))
+    outer = np.einsum("ni,nj->nij", after, before)
+    products = label_sums(parts, outer.reshape(-1, 9), len(counts)).reshape(-1, 3, 3)
     turns = _nearest(products)
     spread = np.bincount(parts, np.einsum("ni,ni->n", before, before), len(counts))
     scales = np.einsum("pij,pij->p", turns, products) / np.where(spread > 0.0, spread, 1.0)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve
 from scipy.sparse import coo_array
 
+from .label_sums import label_sums
 from .surface_samples import SurfaceSamples
 from .swing_twist import turn_matrices
 
@@ -184,8 +185,7 @@ def _solved_points(
     hold = _HOLD * max(float(sums.mean()), np.finfo(float).tiny)
     right = hold * straight
     pulls = weights[:, None] * lines
-    for axis in range(3):
-        right[:, axis] += np.bincount(one, pulls[:, axis], count) - np.bincount(other, pulls[:, axis], count)
+    right += label_sums(one, pulls, count) - label_sums(other, pulls, count)
     return solve(np.diag(sums + hold) - links, right, assume_a="pos")
 
 

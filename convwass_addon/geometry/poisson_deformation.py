@@ -16,6 +16,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 
 from .edge_energy import EdgeEnergy
 from .factorization import Factorization, factorize
+from .label_sums import label_sums
 from .mesh import TriangleMesh
 from .normals import cross_coordinates
 
@@ -173,9 +174,8 @@ class PoissonDeformation:
         if len(self.links.ends):
             pulls = self.links.weights[:, None] * link_vectors
             one, other = self.links.ends.T
-            for axis in range(3):
-                right[:, axis] += np.bincount(one, pulls[:, axis], len(right))
-                right[:, axis] -= np.bincount(other, pulls[:, axis], len(right))
+            right += label_sums(one, pulls, len(right))
+            right -= label_sums(other, pulls, len(right))
         return self._factor.solve_columns(right)
 
     def _system(self) -> csc_array:

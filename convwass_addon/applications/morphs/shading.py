@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals, unit_vectors, vertex_normals
 
@@ -100,8 +101,7 @@ def frame_normals(
     if not all(shadings[i].is_smooth for i in active):
         vectors = unit_vectors(total.reshape(-1, 3))
         return FrameNormals(vectors.astype(np.float32), of_corners=True)
-    sums = [np.bincount(mesh.faces.ravel(), part.ravel(), len(mesh.vertices)) for part in np.moveaxis(total, 2, 0)]
-    vectors = unit_vectors(np.stack(sums, axis=1))
+    vectors = unit_vectors(label_sums(mesh.faces.ravel(), total.reshape(-1, 3), len(mesh.vertices)))
     if np.einsum("mcd,mcd->mc", vectors[mesh.faces], own).mean() > _SAME:
         return None
     return FrameNormals(vectors.astype(np.float32), of_corners=False)

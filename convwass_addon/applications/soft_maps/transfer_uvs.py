@@ -246,7 +246,7 @@ def _welded(
     # Corners at their own points have a million times the weight of those moved to a seam.
     weights = np.where(is_own.ravel(), 1.0, 1e-6)
     sums = np.bincount(labels, weights)
-    means = np.stack([np.bincount(labels, weights * part.ravel()) / sums for part in np.moveaxis(uvs, 2, 0)], axis=1)
+    means = label_sums(labels, weights[:, None] * uvs.reshape(-1, 2), len(sums)) / sums[:, None]
     return means[labels].reshape(uvs.shape)
 
 
