@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .domain import Domain, total_mass
+from .pieces import piece_masses
 
 # Masses on one connected component may differ by the rounding of the caller's normalization.
 _PIECE_TOLERANCE = 1e-6
@@ -80,8 +81,7 @@ def _normalize(density: NDArray[np.float64], domain: Domain, name: str) -> None:
 def _check_pieces(densities: NDArray[np.float64], domain: Domain, name: str) -> None:
     """Check that all distributions have the same mass on each connected component, which mass cannot leave."""
     labels = domain.pieces.ravel()
-    used = labels >= 0
-    masses = np.stack([np.bincount(labels[used], (d * domain.weights).ravel()[used]) for d in densities])
+    masses = piece_masses(densities, domain)
     spread = np.ptp(masses, axis=0)
     worst = int(spread.argmax())
     if spread[worst] > _PIECE_TOLERANCE:

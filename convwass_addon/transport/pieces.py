@@ -13,6 +13,15 @@ from .domain import Domain
 from .log_range import LOG_NOTHING
 
 
+def piece_masses(densities: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+    """Return the mass of every density, (k, *shape), on every connected component of their domain, (k, p)."""
+    if domain.pieces is None:
+        return np.ones((len(densities), 1))
+    labels = domain.pieces.ravel()
+    used = labels >= 0
+    return np.stack([np.bincount(labels[used], (density * domain.weights).ravel()[used]) for density in densities])
+
+
 @dataclass(frozen=True)
 class PieceMasses:
     """The mass of every connected component.

@@ -15,7 +15,8 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Surface
 from ...transport.distance import distance_matrix_rounds, distance_rounds
-from .density_pieces import SAME_SHARE, on_same_pieces, piece_masses
+from ...transport.pieces import piece_masses
+from .density_pieces import SAME_SHARE, on_same_pieces
 from .density_preparing import preparing
 from .density_solving import solving
 from .surface_densities import distribution

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...transport import Surface
+from ...transport.pieces import piece_masses
 
 SAME_SHARE = 1e-3
 """Differences of mass below this are removed: nobody paints more precisely."""
@@ -42,15 +43,6 @@ def piece(surface: Surface, label: int) -> Piece:
     points, areas = surface.positions[own], surface.weights[own]
     center = areas @ points / areas.sum()
     return Piece(int(own.sum()), float(np.ptp(points, axis=0).max()), tuple(float(x) for x in center))
-
-
-def piece_masses(densities: NDArray[np.float64], surface: Surface) -> NDArray[np.float64]:
-    """Return the mass of every density, (k, n), on every component, (k, p)."""
-    if surface.pieces is None:
-        return np.ones((len(densities), 1))
-    used = surface.pieces >= 0
-    labels = surface.pieces[used]
-    return np.stack([np.bincount(labels, (density * surface.weights)[used]) for density in densities])
 
 
 def on_same_pieces(
