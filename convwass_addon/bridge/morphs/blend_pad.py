@@ -30,7 +30,7 @@ from .pad_velocity import HANDLE_VELOCITY
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
 from .stored import frame_objects, frame_weights, is_solid, stored_morph
-from .stored_fields import StoredFields, field_cells
+from .stored_fields import StoredFields
 
 SIDE = 1.5
 """Length of a side of the pad, relative to the largest shape."""
@@ -265,11 +265,8 @@ def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> Work[StoredField
     """Store the fields of the blends."""
     from .field_sampling import store_fields
 
-    cells = field_cells(stored_morph(collection).settings)
     columns = sheet_columns(sheet.frames, sheet.weights @ sheet.feet)
-    fields = yield from store_fields(collection.name, sheet.frames, cells, sheet.points, columns)
-    adopt(collection, fields.blocks)
-    return fields
+    return store_fields(collection, sheet.frames, sheet.points, columns)
 
 
 def _result(

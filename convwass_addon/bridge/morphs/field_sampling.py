@@ -31,8 +31,21 @@ from ..openvdb_module import openvdb_module
 from ..sequence import write_table
 from ..unused_data import removed_on_errors
 from .field_sampler import SampleGrid, field_sampler
-from .stored import frame_weights
-from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
+from .stand_ins import adopt
+from .stored import frame_weights, stored_morph
+from .stored_fields import (
+    BAND,
+    COLOR,
+    ENCLOSED,
+    FIELD,
+    LOSES_PARTS,
+    OFFSET,
+    SCALE,
+    VOLUME,
+    Column,
+    StoredFields,
+    field_cells,
+)
 
 # Margin of samples around all blends.
 _MARGIN = 3
@@ -43,22 +56,19 @@ _MOST_SAMPLES = 4_000_000
 
 
 def store_fields(
-    name: str,
+    collection: bpy.types.Collection,
     frames: Sequence[bpy.types.Object],
-    cells: float,
     places: NDArray[np.float64],
     columns: Sequence[Column],
 ) -> Work[StoredFields]:
-    """Sample and store the signed distances of blends.
+    """Sample the signed distances of blends, and store them with their morph.
 
     Parameters
     ----------
-    name : str
-        Name of the objects.
+    collection : bpy.types.Collection
+        The morph.
     frames : sequence of bpy.types.Object
-        Frame objects of one morph.
-    cells : float
-        Number of samples along the longest side of all blends.
+        Its frame objects.
     places : (n, 3)
         Vertices of the table, one per blend.
     columns : sequence of Column
@@ -88,7 +98,8 @@ def store_fields(
     weights = frame_weights(frames)
     meshes = [_local_mesh(*own) for own in zip(frames, triangle_meshes(frames, depsgraph), strict=True)]
     offsets = _centers(meshes, weights)
-    grid = _grid(meshes, offsets, cells)
+    grid = _grid(meshes, offsets, field_cells(stored_morph(collection).settings))
+    name = collection.name
     data = bpy.data.meshes.new(f"{name} Fields")
     data.vertices.add(int(np.prod(grid.shape)))
     volumes, enclosed, lost, last = [], [], [], None
@@ -115,7 +126,9 @@ def store_fields(
     ]
     table = _table(name, places, [*own, *columns])
     samples = bpy.data.objects.new(data.name, data)
-    return StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
+    fields = StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
+    adopt(collection, fields.blocks)
+    return fields
 
 
 def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: float) -> SampleGrid:

@@ -47,8 +47,8 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame, stored_morph
-from .stored_fields import StoredFields, field_cells
+from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame
+from .stored_fields import StoredFields
 
 
 def make_player(
@@ -233,10 +233,7 @@ def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]
     from .field_sampling import store_fields
 
     columns = path_columns(frames, times_per_second(bpy.context.scene))
-    cells = field_cells(stored_morph(collection).settings)
-    fields = yield from store_fields(collection.name, frames, cells, _table(frames), columns)
-    adopt(collection, fields.blocks)
-    return fields
+    return store_fields(collection, frames, _table(frames), columns)
 
 
 def _with_override(
