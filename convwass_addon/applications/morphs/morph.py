@@ -11,12 +11,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 
-from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ..far_meshes import refuse_far
 from ..motions.guides import Guide
+from ..usable_meshes import require_surface
 from .animation import Animation
 from .bake_plan import BakePlan
 from .computation import USUAL_COMPUTATION, Computation
@@ -86,9 +85,7 @@ def morph(
         Before the first frame, if the inputs or the settings are invalid.
     """
     for shape, name in zip(shapes, names, strict=True):
-        refuse_far(shape)
-        if not shape.area > 0.0:
-            raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
+        require_surface(shape, name)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, computation.wanted)
     pairs = pairs_of(blends) if pairs is None else pairs

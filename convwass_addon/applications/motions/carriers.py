@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from ...errors import InputError
 from ...geometry.barycentric import barycentric_coordinates
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.coarsening import coarsened
@@ -28,7 +27,7 @@ from ...geometry.subdivision import bendable
 from ...geometry.surface_samples import SurfaceSamples
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
-from ..far_meshes import refuse_far
+from ..usable_meshes import require_surface, too_intricate
 
 # A mesh with up to this many times the vertices of a carrier is its own carrier.
 _NEAR_ENOUGH = 1.5
@@ -179,9 +178,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     InputError
         The mesh has no area, is too far from the origin, or cannot be simplified enough.
     """
-    refuse_far(mesh)
-    if not len(mesh.faces) or not mesh.area > 0:
-        raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
+    require_surface(mesh, name)
     control.check()
     cut = bendable(mesh, int(_NEAR_ENOUGH * count))
     rest = cut.mesh
@@ -193,12 +190,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
         if found is not None and len(found.seeds) < _BEARABLE * count:
             outward, seeds, blend = found.mesh, found.seeds, _with_loose(found.prolongation, rest, found.mesh)
         elif len(used) > _BEARABLE * count:
-            raise InputError(
-                "{name} cannot be simplified to fewer than {most} vertices: it has too many pieces or holes. "
-                "Remesh it.",
-                name=name,
-                most=_BEARABLE * count,
-            )
+            raise too_intricate(name, _BEARABLE * count)
     control.check()
     poisson = PoissonDeformation(outward, component_links(outward, control), _ANCHORING)
     return Carrier(name, rest, cut.parents, outward, seeds, blend, poisson)

@@ -17,7 +17,7 @@ from ...geometry.mesh import TriangleMesh
 from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..far_meshes import refuse_far
+from ..usable_meshes import refuse_far
 from .skeleton_bodies import SkeletonBody, skeleton_body
 from .skeleton_carrying import between_pins, carried
 from .skeleton_checks import check_inside, check_loops, check_pins, named

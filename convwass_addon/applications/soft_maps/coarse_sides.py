@@ -17,6 +17,7 @@ from ...geometry.integer_ranges import integer_ranges
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
 from ...progress import Control
+from ..usable_meshes import too_intricate
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
@@ -87,11 +88,7 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Con
             break
     if len(used) <= _MOST_VERTICES:
         return _as_it_is(side, used, faces, areas)
-    raise InputError(
-        "{name} cannot be simplified to fewer than {most} vertices: it has too many pieces or holes. Remesh it.",
-        name=side.name,
-        most=_MOST_VERTICES,
-    )
+    raise too_intricate(side.name, _MOST_VERTICES)
 
 
 def _as_it_is(

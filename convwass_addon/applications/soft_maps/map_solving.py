@@ -19,7 +19,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
-from ..far_meshes import refuse_far
+from ..usable_meshes import require_surface
 from ..workers import both_ways, one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side
 from .compatibility import comparison
@@ -103,9 +103,7 @@ def soft_map_steps(
 
 
 def _check_side(side: MapSide) -> None:
-    refuse_far(side.mesh)
-    if not len(side.mesh.faces) or not side.mesh.area > 0:
-        raise InputError("{name} has no faces with an area; choose an object with a surface.", name=side.name)
+    require_surface(side.mesh, side.name)
     for name, weights in side.groups.items():
         if np.shape(weights) != (len(side.mesh.vertices),) or not np.isfinite(weights).all():
             raise InputError("The group {name} must have one number for every vertex.", name=name)
