@@ -20,32 +20,10 @@ from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSett
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.controls import cancelled_control, recorded
+from tests.line_tubes import tube
 from tests.shapes import box, joined, square, torus, with_faces
 
 _SETTINGS = SkeletonSettings()
-
-
-def tube(axis, radius=0.2, segments=12):
-    """A closed tube around a curve in the plane y = 0."""
-    axis = np.asarray(axis, float)
-    tangents = np.gradient(axis, axis=0)
-    tangents /= np.linalg.norm(tangents, axis=1, keepdims=True)
-    side, up = np.cross(tangents, (0.0, 1.0, 0.0)), np.array([0.0, 1.0, 0.0])
-    turns = np.arange(segments) * 2 * np.pi / segments
-    rings = axis[:, None] + radius * (np.cos(turns)[:, None] * side[:, None] + np.sin(turns)[:, None] * up)
-    count = len(axis)
-    i, j = (x.ravel() for x in np.meshgrid(np.arange(count - 1), np.arange(segments), indexing="ij"))
-    a, b = i * segments + j, i * segments + (j + 1) % segments
-    faces = [np.stack([a, a + segments, b], 1), np.stack([b, a + segments, b + segments], 1)]
-    j = np.arange(segments)
-    first, last = count * segments, count * segments + 1
-    end = (count - 1) * segments
-    faces += [np.stack([np.full(segments, first), j, (j + 1) % segments], 1)]
-    faces += [np.stack([np.full(segments, last), end + (j + 1) % segments, end + j], 1)]
-    mesh = TriangleMesh.from_arrays(
-        np.concatenate([rings.reshape(-1, 3), axis[[0]], axis[[-1]]]), np.concatenate(faces)
-    )
-    return mesh if mesh.volume > 0 else mesh.flipped()
 
 
 def chain(count, first, last):
@@ -73,13 +51,13 @@ def coarse():
 
 @pytest.fixture(scope="module")
 def straight():
-    return tube(np.linspace((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), 30))
+    return tube(np.linspace((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), 30), 0.2)
 
 
 @pytest.fixture(scope="module")
 def bent():
     turns = np.linspace(0.0, np.pi, 36)
-    return tube(np.stack([np.cos(turns), 0.0 * turns, np.sin(turns)], axis=1))
+    return tube(np.stack([np.cos(turns), 0.0 * turns, np.sin(turns)], axis=1), 0.2)
 
 
 def test_a_chain_is_evenly_spread_on_the_axis_of_a_cylinder(straight):
@@ -127,7 +105,8 @@ def test_pose_size_and_order_do_not_matter(bent):
 
 def test_a_branching_joint_lies_where_limbs_meet():
     ways = [
-        tube(np.linspace((0.0, 0.0, 0.0), 1.5 * np.array(end), 30)) for end in ((1, 0, 0), (-1, 0, 0.3), (0.2, 0, -1))
+        tube(np.linspace((0.0, 0.0, 0.0), 1.5 * np.array(end), 30), 0.2)
+        for end in ((1, 0, 0), (-1, 0, 0.3), (0.2, 0, -1))
     ]
     tips = [1.4 * np.array(end) for end in ((1, 0, 0), (-1, 0, 0.3), (0.2, 0, -1))]
     positions = [(0.0, 0.0, 9.0), *tips, *(0.5 * tip for tip in tips)]

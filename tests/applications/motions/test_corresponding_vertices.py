@@ -29,6 +29,7 @@ from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm, coarse_maps
 from tests.applications.motions.given_motions import chosen_by
 from tests.applications.motions.test_known_motions import bent, line_length
+from tests.grids import sheet
 from tests.shapes import ball, bent_tube, box, joined, renumbered, torus
 
 RING = torus(segments=(40, 20))
@@ -333,12 +334,9 @@ def test_a_twist_keeps_its_volume():
 
 def test_sheets_have_no_volume_to_keep():
     """The volume between a bent sheet and its center is none that it encloses."""
-    side = np.linspace(-1.0, 1.0, 30)
-    x, y = (own.ravel() for own in np.meshgrid(side, side, indexing="ij"))
-    here = np.arange(900).reshape(30, 30)
-    a, b, c, d = (own.ravel() for own in (here[:-1, :-1], here[1:, :-1], here[1:, 1:], here[:-1, 1:]))
-    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-    domes = [TriangleMesh(np.stack([x, y, height * (x**2 + y**2)], axis=1), faces) for height in (-0.3, -0.6)]
+    flat = sheet(30, 30, (2.0, 2.0))
+    x, y, _ = (flat.vertices - (1.0, 1.0, 0.0)).T
+    domes = [TriangleMesh(np.stack([x, y, height * (x**2 + y**2)], axis=1), flat.faces) for height in (-0.3, -0.6)]
     motion = drained(guided_motion(domes, ("low", "high"), [(0, 1)]))
     assert [own.length for own in motion.versions] == [0.0, 0.0]
 
