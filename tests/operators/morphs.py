@@ -32,6 +32,13 @@ def two_shapes():
     return cube, ball
 
 
+def two_balls():
+    """Add two equal balls to a scene that is otherwise empty, and select them."""
+    for x in (0.0, 3.0):
+        add("ico_sphere", subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+
+
 def baked_morph():
     """Return the collection of a bake."""
     return next(c for c in bpy.data.collections if c.name.startswith("Morph"))

@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+from tests.operators.morphs import two_balls
 from tests.rigs import chain
 
 # Blender's own add-ons use what newer versions of NumPy and Python advise against.
@@ -66,9 +67,7 @@ def test_what_cannot_be_written_is_refused(keyed, tmp_path, monkeypatch):
 
 
 def test_the_active_morph_is_written(tmp_path):
-    for x in (0.0, 3.0):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
+    two_balls()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=20)
     assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / "morph.obj")) == {"FINISHED"}
     assert len(list(tmp_path.glob("*.obj"))) == 3

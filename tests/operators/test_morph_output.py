@@ -11,14 +11,13 @@ import pytest
 
 from convwass_addon.bridge.morphs.disk_output import disk_outputs
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
+from tests.operators.morphs import two_balls
 from tests.operators.running import Pressed, show_other_scene, started, until, window_context
 from tests.scene import height_at
 
 
 def bake():
-    for x in (0.0, 3.0):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
+    two_balls()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24)
 
 
@@ -158,9 +157,7 @@ def test_a_morph_whose_frames_are_on_disk_can_be_deleted(morph, tmp_path):
 
 @pytest.mark.parametrize(("output", "kind", "suffix"), [("CACHE", "usd", ".usdc"), ("VOLUME", "alembic", ".vdb")])
 def test_a_bake_writes_its_files_to_the_given_folder(empty_scene, tmp_path, output, kind, suffix):
-    for x in (0.0, 3.0):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
+    two_balls()
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", frames=2, resolution=24, output=output, folder=str(tmp_path), cache_format=kind
     )
@@ -172,9 +169,7 @@ def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
     from convwass_addon.operators import morph_results
 
     monkeypatch.setattr(morph_results, "packed_bytes", lambda objects: 300e6)
-    for x in (0.0, 3.0):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
+    two_balls()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
     assert "300 MB to the file" in capfd.readouterr().out
 
@@ -236,9 +231,7 @@ def test_a_cache_that_cannot_be_read_back_is_removed(morph, tmp_path, monkeypatc
 
 def test_a_first_shape_that_lasts_is_written_from_its_beginning(empty_scene, tmp_path):
     """Its only key is at its end."""
-    for x in (0.0, 3.0):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-    bpy.ops.object.select_all(action="SELECT")
+    two_balls()
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", frames=4, frame_step=2, resolution=16, start="CUSTOM", frame_start=5
     )
