@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Open .blend files without their scripts, and append objects from them."""
+"""Open .blend files without their scripts or an empty one, and append objects from them."""
 
 from __future__ import annotations
 
@@ -12,9 +12,19 @@ import bpy
 from ..applications.whole_paths import whole_path
 from ..errors import InputError
 from ..sentence import Sentence
+from .interrupts import delayed_interrupts
 
 NAMES_SHOWN = 20
 """Longest list of names in a message."""
+
+
+def open_empty() -> None:
+    """Open an empty file with Blender's factory settings; an interrupt takes effect after that.
+
+    Blender prints an interrupt that comes while it enables its own add-ons, and goes on without the rest of them.
+    """
+    with delayed_interrupts():
+        bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 def open_blend(path: Path) -> None:

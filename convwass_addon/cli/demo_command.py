@@ -8,10 +8,9 @@ import sys
 from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
-import bpy
-
 from ..applications.morphs.layouts import path_blends
 from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.blend_files import open_empty
 from ..bridge.files import save_blend
 from ..bridge.imports import import_objects
 from ..errors import InputError
@@ -50,7 +49,7 @@ def run_demo(options: Namespace) -> Answer:
     blends = path_blends(len(_DEMO_SHAPES), options.frames)
     settings = MorphSettings(resolution=options.resolution)
     options.out.mkdir(parents=True, exist_ok=True)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty()
     inputs = [obj for name in _DEMO_SHAPES for obj in import_objects(folder / f"{name}.ply", None)]
     for obj in inputs:
         obj.data.shade_smooth()

@@ -13,6 +13,7 @@ from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_paths import interpolation_steps
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import density_surface
+from ..bridge.blend_files import open_empty
 from ..bridge.densities.density_material import growth_material
 from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_store import StoredDensity
@@ -39,7 +40,7 @@ def save_moss(shape: Path, target: Path) -> Path:
     target : Path
         The .blend to write.
     """
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty()
     (obj,) = import_objects(shape, None)
     obj.data.shade_smooth()
     mesh = surface_mesh(obj, bpy.context.evaluated_depsgraph_get())

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
-from ..bridge.blend_files import open_blend, several_meshes
+from ..bridge.blend_files import open_blend, open_empty, several_meshes
 from ..bridge.frame_range import play_among_others, play_whole
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import SurfaceReading, ignored_notices, read_surface
@@ -100,7 +100,7 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
     if source.path.suffix.lower() == BLEND and source.path.is_file():
         obj = opened_object(source)
     else:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        open_empty()
         (obj,) = import_objects(source.path, source.names)
     read = read_surface(obj, bpy.context.evaluated_depsgraph_get())
     surface = density_surface(read.mesh, settings.blur, settings.substeps)

@@ -17,6 +17,7 @@ from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.morphs.shape_check import check_shape
 from ..applications.whole_paths import path_with_suffix
+from ..bridge.blend_files import open_empty
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import asks_for_flat, refuse_following
 from ..bridge.flat.flat_imports import imported_shape
@@ -73,7 +74,7 @@ def run_morph(options: Namespace) -> Answer:
     has_frames = options.output != SHAPE_KEYS
     exported = export_format(options.export) if options.export and has_frames else None
     computing = computing_of(options, blends, between)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    open_empty()
     inputs = []
     follows = request.follow == FOLLOW
     for text in options.shapes:

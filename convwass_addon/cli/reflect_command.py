@@ -8,7 +8,6 @@ from argparse import Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
-import bpy
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,6 +18,7 @@ from ..applications.reflectance.materials import AshikhminShirley, BlinnPhong, G
 from ..applications.reflectance.merl import read_merl
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import MOST_ON_PAD, PadSheet, spread_out, way_weights
+from ..bridge.blend_files import open_empty
 from ..bridge.files import checked_target, save_blend
 from ..bridge.reflectance.lobe_files import is_whole, read_whole_table, write_whole_table
 from ..bridge.reflectance.lobe_images import write_lobe_exr
@@ -64,7 +64,7 @@ def run_reflect(options: Namespace) -> Answer:
     elif kind == ".exr":
         write_lobe_exr(target, [frame.image for frame in shown])
     else:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        open_empty()
         show_on_balls(options.materials, shown, sheet)
         save_blend(target)
     record = {"materials": list(options.materials), "blends": [frame.record for frame in frames]}

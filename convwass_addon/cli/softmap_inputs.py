@@ -9,7 +9,7 @@ from contextlib import suppress
 import bpy
 
 from ..applications.whole_paths import whole_path
-from ..bridge.blend_files import appended_objects
+from ..bridge.blend_files import appended_objects, open_empty
 from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
 from .density_inputs import object_in_scene, opened_object
 
@@ -31,7 +31,7 @@ def open_objects(source_text: str, target_text: str | None) -> tuple[bpy.types.O
     sources = [parse_source(text) for text in (source_text, target_text) if text is not None]
     opened = next((source for source in sources if _is_blend(source)), None)
     if opened is None:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        open_empty()
     else:
         main = opened_object(opened)
     found = []

@@ -12,6 +12,7 @@ from importlib import import_module
 import bpy
 import pytest
 
+from convwass_addon.bridge.blend_files import open_empty
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.interrupts import delayed_interrupts, kept_interrupts
 from convwass_addon.bridge.morphs.gltf_animation import write_gltf_animation
@@ -48,6 +49,21 @@ def test_an_interrupt_ends_an_import(tmp_path, monkeypatch):
     monkeypatch.setattr(import_module("io_scene_gltf2.io.imp.gltf2_io_gltf"), "glTFImporter", interrupt)
     with pytest.raises(KeyboardInterrupt):
         import_objects(tmp_path / "a.glb", None)
+
+
+def test_an_interrupt_while_blender_enables_its_addons_is_raised_after_it(monkeypatch):
+    addons, enabled = import_module("addon_utils"), []
+    enable = addons.reset_all
+
+    def interrupted(**options):
+        interrupt()
+        enable(**options)
+        enabled.append(True)
+
+    monkeypatch.setattr(addons, "reset_all", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        open_empty()
+    assert enabled
 
 
 def test_an_interrupt_that_an_operator_ignores_is_raised_after_it():

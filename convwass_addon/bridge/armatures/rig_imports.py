@@ -12,7 +12,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..blend_files import appended_objects, open_blend, several_meshes
+from ..blend_files import appended_objects, open_blend, open_empty, several_meshes
 from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
 from ..unused_data import removed_on_errors
 
@@ -48,7 +48,7 @@ def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
         checked_file(source.path, source.names, (*READERS, BLEND))
     opened = next((source.path for source in (body, rig) if _is_blend(source)), None)
     if opened is None:
-        bpy.ops.wm.read_factory_settings(use_empty=True)
+        open_empty()
     else:
         open_blend(opened)
     found_body = _found_body(body, opened)
