@@ -681,6 +681,33 @@ def test_an_interrupt_while_blender_starts_ends_the_command(tmp_path, project, i
     assert done.returncode == code
 
 
+INTERRUPTED = """
+import runpy, signal, sys
+
+class Finder:
+    @staticmethod
+    def find_spec(name, *_):
+        if name == "convwass_addon.cli.program":
+            signal.raise_signal(signal.SIGINT)
+
+sys.meta_path.insert(0, Finder)
+runpy.run_module("convwass_addon", run_name="__main__", alter_sys=True)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot interrupt itself alone")
+def test_an_interrupt_while_a_command_is_imported_is_told(project):
+    done = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, "--help"],
+        cwd=project,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "convwass: interrupted\n")
+
+
 def stored_settings(path):
     bpy.ops.wm.open_mainfile(filepath=str(path))
     return json.loads(baked_morph()["convwass_morph"])["settings"]
