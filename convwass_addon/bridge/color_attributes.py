@@ -8,8 +8,9 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .element_values import corner_vertices, element_values, write_floats
+from .element_values import corner_vertices, element_values
 from .mesh_checks import other_kind
+from .scene_colors import set_colors
 
 _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
 
@@ -76,7 +77,7 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
             mesh.color_attributes.remove(attribute)
             raise other_kind(obj, name)
     values = np.asarray(colors, dtype=np.float32)
-    write_floats(attribute.data, "color", values[corner_vertices(mesh)] if attribute.domain == "CORNER" else values)
+    set_colors(attribute, values[corner_vertices(mesh)] if attribute.domain == "CORNER" else values)
     mesh.update()
 
 

@@ -11,8 +11,11 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from .scene_colors import set_colors
+
 # Names of the values of attributes, and their types; by default "value" and float32.
-_PROPERTIES = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector", "FLOAT_COLOR": "color", "BYTE_COLOR": "color"}
+_PROPERTIES = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector"}
+_COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
 _TYPES = {"BOOLEAN": bool, "INT": np.int32, "INT8": np.int32}
 
 
@@ -133,6 +136,9 @@ def write_attribute(
     if name in mesh.attributes:
         mesh.attributes.remove(mesh.attributes[name])
     attribute = mesh.attributes.new(name, kind, domain)
-    flat = np.ascontiguousarray(values, _TYPES.get(kind, np.float32)).ravel()
-    attribute.data.foreach_set(_PROPERTIES.get(kind, "value"), flat)
+    if kind in _COLORS:
+        set_colors(attribute, values)
+    else:
+        flat = np.ascontiguousarray(values, _TYPES.get(kind, np.float32)).ravel()
+        attribute.data.foreach_set(_PROPERTIES.get(kind, "value"), flat)
     return attribute

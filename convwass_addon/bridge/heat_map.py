@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..applications.palettes.lab_colors import linear_of_srgb
 from ..geometry.polylines import along_polyline
+from .scene_colors import scene_of_srgb
 
 # Perceptually uniform from dark to bright; sRGB.
 _STOPS = ("1a1423", "3b1f52", "6b2569", "a32d63", "d5474b", "f0752f", "f8b13e", "fbf2b5")
@@ -18,7 +18,7 @@ _STOPS = ("1a1423", "3b1f52", "6b2569", "a32d63", "d5474b", "f0752f", "f8b13e", 
 def heat_stops() -> NDArray[np.float64]:
     """Return the colors at even steps from 0 to 1, scene linear RGBA, (k, 4)."""
     srgb = np.array([[int(stop[place : place + 2], 16) for place in (0, 2, 4)] for stop in _STOPS]) / 255.0
-    linear = linear_of_srgb(srgb)
+    linear = scene_of_srgb(srgb)
     return np.concatenate([linear, np.ones((len(linear), 1))], axis=1)
 
 

@@ -27,7 +27,8 @@ from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh import vertex_animation_files
-from convwass_addon.bridge.one_mesh.moving_meshes import srgb, triangles_of_frames
+from convwass_addon.bridge.one_mesh.moving_meshes import triangles_of_frames
+from convwass_addon.bridge.scene_colors import srgb_of_scene
 from convwass_addon.errors import ConvwassError, InputError
 from tests.vertex_textures import gathered, joined_steps
 
@@ -252,7 +253,7 @@ def test_textures_hold_the_triangles_of_every_frame(collection, tmp_path, invent
         assert (np.abs(own[: len(corners)][order] - corners[wanted]) <= 0.5 * quantum + 1e-6).all()
         assert (np.ptp(own[len(corners) :], axis=1) == 0.0).all()
     np.testing.assert_array_equal(colors[0][0], [255, 0, 0])
-    np.testing.assert_allclose(colors[1][0], 255 * srgb(np.array([2 / 3, 0.0, 1 / 3])), atol=1.5)
+    np.testing.assert_allclose(colors[1][0], 255 * srgb_of_scene(np.array([2 / 3, 0.0, 1 / 3])), atol=1.5)
 
 
 _READERS = {

@@ -10,7 +10,7 @@ import struct
 import bpy
 import numpy as np
 import pytest
-from mathutils import Euler, Matrix
+from mathutils import Color, Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
@@ -103,6 +103,16 @@ def test_plain_looks_become_two_images_and_what_is_alike_a_value(ball, inventory
     assert [polygon.material_index for polygon in ball.data.polygons] == [1] * len(ball.data.polygons)
     bpy.data.batch_remove([*found.images, found.material])
     assert inventory() == before
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 0), reason="the linear color space is always Rec.709")
+def test_images_have_the_colors_of_materials_in_another_linear_color_space(ball):
+    bpy.ops.wm.set_working_color_space(working_space="ACEScg")
+    color = (0.5, 0.3, 0.2)
+    principled(ball.data.materials[0]).inputs["Base Color"].default_value = (*color, 1.0)
+    start = baked(ball).images[0]
+    seen = Color(pixels(start)[SIZE // 2, SIZE // 2]).from_srgb_to_scene_linear()
+    np.testing.assert_allclose(seen, color, atol=0.01)
 
 
 @pytest.mark.parametrize(("value", "group"), [(0.5, ""), (1.0, "Half")])

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
-from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
+from ..scene_colors import srgb_of_scene
 from ..visibility import evaluated_object
 from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of
 from .flat_kinds import is_image
@@ -62,7 +62,7 @@ def gray_inputs(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgr
 def _shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
     (flat,) = flat_objects([obj], depsgraph)
     colors = flat.shape.colors.copy()
-    colors[:, :3] = srgb_of_linear(np.clip(colors[:, :3], 0.0, 1.0))
+    colors[:, :3] = srgb_of_scene(colors[:, :3])
     return GrayInput(replace(flat.shape, colors=colors), flat.plane, np.array(_NO_GROUND))
 
 

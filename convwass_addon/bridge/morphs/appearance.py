@@ -12,11 +12,11 @@ import numpy as np
 
 from ...applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
-from ...applications.palettes.lab_colors import linear_of_srgb
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
+from ..scene_colors import scene_of_srgb
 from ..vertex_groups import mesh_weights
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, is_object_color, shows_color_attribute
@@ -294,7 +294,7 @@ def _pixels(image: bpy.types.Image | None) -> np.ndarray | None:
         return None
     pixels = pixel_values(image)
     if not image.is_float and image.colorspace_settings.name == "sRGB":
-        pixels[..., :3] = linear_of_srgb(pixels[..., :3])
+        pixels[..., :3] = scene_of_srgb(pixels[..., :3])
     while max(pixels.shape[:2]) > _MOST_PIXELS:
         pixels = _halved(pixels)
     return pixels

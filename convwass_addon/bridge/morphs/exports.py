@@ -26,6 +26,7 @@ from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
+from ..scene_colors import set_colors
 from ..scene_writing import write_alembic, write_draft, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
 from .appearance import VELOCITY, seen_colors, write_velocity
@@ -299,7 +300,7 @@ def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
     """Write colors per corner, the only kind that Blender's Alembic exporter supports."""
     vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
-    write_floats(attribute.data, "color", colors.reshape(-1, 4)[vertices])
+    set_colors(attribute, colors.reshape(-1, 4)[vertices])
 
 
 def _write_textures(frames: Sequence[bpy.types.Object], target: Path, fps: float) -> list[Path]:

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
-from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
 from ..element_values import MeshTriangles, vectors_of
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
+from ..scene_colors import srgb_of_scene
 
 
 @dataclass(frozen=True)
@@ -109,14 +109,9 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
             loops, vertices = loops[:, ::-1], vertices[:, ::-1]
         corners.append(transformed_points(vectors_of(mesh.vertices), matrix)[vertices])
         normals.append(_turned(vectors_of(mesh.corner_normals, "vector"), matrix)[loops])
-        seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
+        seen = srgb_of_scene(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
         colors.append(seen[vertices].reshape(-1, 3, 3))
     return padded_triangles(corners, normals, colors)
-
-
-def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode scene-linear values for 8-bit images; values outside of 0 to 1 are clipped."""
-    return srgb_of_linear(np.clip(linear, 0.0, 1.0))
 
 
 def _turned(normals: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -25,8 +25,8 @@ from ..image_files import image_path, opaque_pixels
 from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
 from ..object_names import without_number
+from ..scene_colors import srgb_of_scene
 from ..unused_data import removed_on_errors
-from .moving_meshes import srgb
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
 from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, missing_images, shown_channel
@@ -413,11 +413,11 @@ def _filled(
 
 
 def _image(name: str, pixels: NDArray[np.float32], channel: Channel) -> bpy.types.Image:
-    """Create an image of bytes from linear values, (size, size, 3)."""
+    """Create an image of bytes from scene linear values, (size, size, 3)."""
     size = len(pixels)
     image = bpy.data.images.new(name, size, size, alpha=False)
     image.colorspace_settings.name = "sRGB" if channel.is_color else "Non-Color"
-    values = srgb(pixels) if channel.is_color else np.clip(pixels, 0.0, 1.0)
+    values = srgb_of_scene(pixels) if channel.is_color else np.clip(pixels, 0.0, 1.0)
     image.pixels.foreach_set(opaque_pixels(values).ravel())
     image.update()
     return image

@@ -12,9 +12,9 @@ from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..color_attributes import color_kind, read_colors, require_color_name, show_colors
-from ..element_values import element_values, write_floats
+from ..element_values import element_values
 from ..mesh_checks import other_vertices, require_not_edited
-from .image_pixels import scene_to_rec709
+from ..scene_colors import scene_to_rec709, set_colors
 
 
 def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
@@ -62,7 +62,7 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
         present = None
     if present is None:
         present = mesh.color_attributes.new(name, kind, domain)
-    write_floats(present.data, "color", pixels)
+    set_colors(present, pixels)
     mesh.update()
     show_colors(obj, name)
 

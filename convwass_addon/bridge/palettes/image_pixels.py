@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from mathutils import Color
 from numpy.typing import NDArray
 
 from ...applications.palettes.distinct_colors import LEVELS
@@ -15,6 +14,7 @@ from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..image_files import pixel_values, refuse_damaged
 from ..last_result import last_result
+from ..scene_colors import scene_to_rec709
 from .image_kinds import RESULT_OF
 
 _LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
@@ -98,13 +98,6 @@ def image_format(image: bpy.types.Image) -> PixelFormat:
         )
     encoding, alpha = "linear" if space in _LINEAR else "srgb", "ignored" if ignores_alpha else "straight"
     return PixelFormat(encoding, alpha, levels=LEVELS)
-
-
-def scene_to_rec709() -> NDArray[np.float64]:
-    """Return the matrix from the linear scene color space to Rec.709; exactly the identity if they are the same."""
-    columns = [Color(unit).from_scene_linear_to_rec709_linear() for unit in np.eye(3)]
-    matrix = np.array(columns, dtype=np.float64).T
-    return np.eye(3) if np.abs(matrix - np.eye(3)).max() < 1e-4 else matrix
 
 
 def _mask(mask: bpy.types.Image, image: bpy.types.Image, name: str) -> NDArray[np.float32]:

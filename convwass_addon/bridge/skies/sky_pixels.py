@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from ...applications.palettes.lab_colors import linear_of_srgb
 from ...errors import InputError
 from ...transport.sphere import solid_angles
 from ..image_files import (
@@ -24,6 +23,7 @@ from ..image_files import (
     write_image,
 )
 from ..palettes.image_pixels import image_format
+from ..scene_colors import scene_of_rec709, scene_of_srgb
 
 
 def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
@@ -54,8 +54,9 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
         )
     colors = pixel_values(image)[::-1, :, :3]
     # Non-color data is used as radiance unchanged.
-    if not (image.is_float or image.colorspace_settings.is_data) and image_format(image).encoding == "srgb":
-        colors = linear_of_srgb(colors)
+    if not (image.is_float or image.colorspace_settings.is_data):
+        is_encoded = image_format(image).encoding == "srgb"
+        colors = scene_of_srgb(colors) if is_encoded else scene_of_rec709(colors)
     return turned(colors)
 
 
