@@ -329,6 +329,23 @@ def test_a_mesh_without_uvs_is_unwrapped_and_a_texture_of_the_shape_lands_where_
     assert error_of_heights(ball, image) < 0.06
 
 
+def test_faces_outside_of_the_image_are_told(ball):
+    """A quarter of the ball is on the next UDIM tile."""
+    layer = ball.data.uv_layers[0]
+    uvs = np.array([own.vector for own in layer.uv], np.float32)
+    layer.uv.foreach_set("vector", (uvs * (4.0 / 3.0, 1.0)).astype(np.float32).ravel())
+    told = job(ball, texture_uvs="OWN")
+    told.discard()
+    assert [str(own) for own in told.notices] == [
+        "25% of Ball Morph are outside of the image in the UV map UVMap, as on other UDIM tiles, and repeat the look "
+        "of what is inside; set UV Map to New"
+    ]
+    layer.uv.foreach_set("vector", (uvs + np.array((1.0, 0.0))).astype(np.float32).ravel())
+    with pytest.raises(InputError, match="All of Ball Morph is outside"):
+        job(ball, texture_uvs="OWN")
+    assert not baked(ball).notices
+
+
 def error_of_heights(ball, image):
     """Return how far values in an image are from 0 at the bottom of a mesh to 1 at the top, at most of its corners."""
     uvs = np.array([own.vector for own in ball.data.uv_layers["Baked"].uv])

@@ -32,7 +32,7 @@ from .texture_baking import TextureSize, baked_pixels
 from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, missing_images, shown_channel
 from .texture_looks import BAKED, SLOTS, Look, end_look, start_look
 from .texture_material import ChannelImages, baked_material
-from .texture_uvs import baked_uv_map, loop_uvs, texture_pixels
+from .texture_uvs import baked_uv_map, loop_uvs, share_outside, texture_pixels
 
 # Distances between mesh and shape that are tried one after the other: multiples of the typical distance, and at least
 # fractions of the diagonal.
@@ -41,7 +41,8 @@ _REACHES = ((3.0, 0.002), (12.0, 0.01), (48.0, 0.05))
 _MARGIN = 1.0 / 64.0
 # What is beyond it, instead of the mean.
 _AROUND = {NORMAL: NORMAL.default}
-# A further distance is tried, and in the end a notice given, if more than this share of the texture has no surface.
+# A further distance is tried, and in the end a notice given, if more than this share of the texture has no surface;
+# another notice if more than this share of the mesh has no place in the texture.
 _MISSED = 0.001
 
 
@@ -105,8 +106,8 @@ class TextureJob:
     Raises
     ------
     InputError
-        A shape was deleted, the mesh does not reach it or is linked or one of two, there is no UV map although it was
-        asked for, or the folder cannot be used.
+        A shape was deleted, the mesh does not reach it or is linked or one of two, its own UV map was asked for, but
+        there is none or all of it is outside of the image, or the folder cannot be used.
     """
 
     def __init__(self, obj: bpy.types.Object, settings: TextureSettings) -> None:
@@ -126,6 +127,7 @@ class TextureJob:
             self._uv_map = baked_uv_map(prepared, obj.name, settings.texture_uvs, made)
             self._made = made or (self._uv_map if self._uv_map not in obj.data.uv_layers else "")
             self._uvs = loop_uvs(prepared, self._uv_map)
+            self._note_outside(prepared, obj.name)
             if settings.texture_looks != "END":
                 self._looks.append(start_look(obj, prepared))
             for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
@@ -138,6 +140,24 @@ class TextureJob:
             raise
         finally:
             bpy.data.meshes.remove(prepared)
+
+    def _note_outside(self, mesh: bpy.types.Mesh, name: str) -> None:
+        """Add a notice for what the UV map places outside of the image; raises InputError if that is all of a mesh."""
+        share = share_outside(mesh, self._uv_map)
+        values = {"name": name, "uv_map": self._uv_map}
+        if share > 1.0 - _MISSED:
+            raise InputError(
+                "All of {name} is outside of the image in the UV map {uv_map}; set UV Map to New.", **values
+            )
+        if share > _MISSED:
+            values["share"] = f"{share:.0%}"
+            self.notices.append(
+                Sentence(
+                    "{share} of {name} are outside of the image in the UV map {uv_map}, as on other UDIM tiles, and "
+                    "repeat the look of what is inside; set UV Map to New",
+                    values,
+                )
+            )
 
     def _note_missing_images(self, look: Look) -> None:
         """Add a notice for images of a look that Cycles shows in magenta."""

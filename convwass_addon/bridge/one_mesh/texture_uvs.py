@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.normals import doubled_areas
+from ...geometry.normals import doubled_areas, triangle_areas
 from ...geometry.uv_pixels import UvPixels, uv_pixels
-from ..element_values import element_values, triangle_corners
+from ..element_values import element_values, triangle_corners, vectors_of
 from ..morphs.appearance import render_uv_map
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -52,6 +52,14 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str) -> str:
     if own is not None and (how == "OWN" or (how == "AUTO" and _is_usable(mesh, own.name))):
         return own.name
     return _unwrapped(mesh, name, made)
+
+
+def share_outside(mesh: bpy.types.Mesh, uv_map: str) -> float:
+    """Return the share of the surface of a mesh that a UV map places outside of the image, as on other UDIM tiles."""
+    middles = triangle_uvs(mesh, uv_map).mean(axis=1)
+    areas = triangle_areas(vectors_of(mesh.vertices)[triangle_corners(mesh, "vertices")])
+    outside = ((middles < 0.0) | (middles > 1.0)).any(axis=1)
+    return float(areas[outside].sum() / max(areas.sum(), 1e-30))
 
 
 def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
