@@ -106,6 +106,26 @@ def test_the_pad_that_there_is_stays_when_the_button_is_pressed_again():
     assert variable.targets[0].id == bpy.context.object
 
 
+@pytest.mark.parametrize("count", [2, 3])
+def test_a_new_pad_takes_the_place_of_one_whose_handle_was_deleted(count, capfd):
+    obj, _ = cube_with_targets(count)
+    without = set(bpy.data.objects) - {obj}
+    bpy.ops.convwass.make_key_pad()
+    before = len(bpy.data.objects)
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.convwass.make_key_pad()
+    assert len(bpy.data.objects) == before
+    handle = bpy.context.object
+    handle.location = corners(handle.parent, count)[1]
+    bpy.context.view_layer.update()
+    assert obj.evaluated_get(bpy.context.evaluated_depsgraph_get())["A"] == pytest.approx(1.0)
+    assert "replaces" not in capfd.readouterr().out
+    bpy.data.objects.remove(handle)
+    delete_keys(obj)
+    assert set(bpy.data.objects) == without
+
+
 def test_a_mesh_of_another_file_is_refused(tmp_path):
     """Blender would not save its drivers and images."""
     obj, _ = cube_with_targets(2)

@@ -53,7 +53,7 @@ def make_key_pad(obj: bpy.types.Object) -> bpy.types.Object:
     names = [record["name"] for record in key_records(obj)]
     if len(names) not in (2, 3):
         raise InputError("A pad needs two or three other shapes; {name} has {count}.", name=obj.name, count=len(names))
-    before = pads_of(target.id for target in driver_targets(obj))
+    before = pads_of(obj)
     known = _driving_handle(obj, names)
     if known is not None:
         return known
@@ -75,9 +75,13 @@ def make_key_pad(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def foreign_drivers(obj: bpy.types.Object) -> list[str]:
-    """Return the sliders of an object that drivers set which are not those of a pad."""
+    """Return the sliders of an object that drivers set which are not those of a pad, whose handle may be deleted."""
     read = _read_by_drivers(obj, [record["name"] for record in key_records(obj)])
-    return [name for name, blocks in read.items() if not any(own is not None and PAD_KEY in own for own in blocks)]
+    return [
+        name
+        for name, blocks in read.items()
+        if blocks != {None} and not any(own is not None and PAD_KEY in own for own in blocks)
+    ]
 
 
 def _driving_handle(obj: bpy.types.Object, names: Sequence[str]) -> bpy.types.Object | None:
@@ -96,11 +100,23 @@ def _read_by_drivers(obj: bpy.types.Object, names: Sequence[str]) -> dict[str, s
     return {name: found[slider_path(name)] for name in names if slider_path(name) in found}
 
 
-def pads_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Object]:
-    """Return the pads of all handles among data-blocks; those of earlier versions are not recognized."""
+def pads_of(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """Return the pads whose handles drive an object, and those of it whose handle was deleted.
+
+    Those of earlier versions are not recognized.
+    """
+    blocks = {target.id for target in driver_targets(obj)}
     handles = (block for block in blocks if isinstance(block, bpy.types.Object) and PAD_KEY in block)
     parents = dict.fromkeys(handle.parent for handle in handles if handle.parent is not None)
-    return [parent for parent in parents if PAD_KEY in parent]
+    names = {obj.name, *(record["name"] for record in key_records(obj))}
+    left = [own for own in bpy.data.objects if PAD_KEY in own and own.type == "MESH" and _is_left_of(own, names)]
+    return [*(parent for parent in parents if PAD_KEY in parent), *left]
+
+
+def _is_left_of(pad: bpy.types.Object, names: set[str]) -> bool:
+    """Return whether a pad has no handle, and labels for some shapes."""
+    parts = [child for child in pad.children if PAD_KEY in child]
+    return {part.type for part in parts} == {"FONT"} and {part.data.body for part in parts} == names
 
 
 def remove_idle_pads(pads: Iterable[bpy.types.Object]) -> None:

@@ -122,7 +122,7 @@ def _follows(obj: bpy.types.Object, keyed: Sequence[bpy.types.Object]) -> bool:
 
 def _pads(keyed: bpy.types.Object) -> list[bpy.types.Object]:
     """Return the pads that drive the sliders of a bake."""
-    return pads_of(target.id for obj in objects_of(keyed) for target in driver_targets(obj))
+    return list(dict.fromkeys(pad for obj in objects_of(keyed) for pad in pads_of(obj)))
 
 
 def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
