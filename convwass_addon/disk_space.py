@@ -3,7 +3,8 @@
 """Checks for full disks, which Blender's writers do not report reliably.
 
 On a full disk, Blender silently truncates .blend, PNG, JPEG, USD and OpenVDB files, and its Alembic writer crashes with
-an uncaught exception. Free space is therefore checked before and after writing.
+an uncaught exception. Free space is therefore checked before and after writing. Quotas and limits of the size of files
+do the same while there is free space; they are noticed by how files end, as far as their format tells.
 """
 
 from __future__ import annotations
@@ -15,8 +16,10 @@ from .errors import ConvwassError
 
 # With less free space than this after writing, the disk is assumed to have been full in between.
 _LEFT = 1 << 16
-# The final bytes of a complete file.
-_ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9"}
+# The final bytes of a complete file; compressed .blend files end with a table of their Zstandard frames.
+_ENDS = {".png": b"IEND\xaeB`\x82", ".jpg": b"\xff\xd9", ".jpeg": b"\xff\xd9", ".blend": b"\xb1\xea\x92\x8f"}
+# The first bytes of binary USD files, and where they hold the offset of their table of contents, which is at the end.
+_CRATE, _OFFSET = b"PXR-USDC", slice(16, 24)
 
 
 def require_space(folder: Path, needed: int) -> None:
@@ -62,9 +65,11 @@ def _free(folder: Path) -> int | None:
 
 
 def _ends_well(file: Path) -> bool:
-    wanted = _ENDS.get(file.suffix.lower())
-    if wanted is None:
-        return True
+    """Return whether a file is not known to be truncated."""
+    kind, size = file.suffix.lower(), file.stat().st_size
     with file.open("rb") as stream:
-        stream.seek(max(file.stat().st_size - len(wanted), 0))
-        return stream.read() == wanted
+        if kind in _ENDS:
+            stream.seek(max(size - len(_ENDS[kind]), 0))
+            return stream.read() == _ENDS[kind]
+        start = stream.read(_OFFSET.stop)
+    return not start.startswith(_CRATE) or int.from_bytes(start[_OFFSET], "little") < size

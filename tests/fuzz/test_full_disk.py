@@ -22,9 +22,11 @@ from convwass_addon.applications.whole_paths import path_with_suffix, whole_path
 from convwass_addon.bridge.files import checked_target, save_blend
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.palettes.image_files import save_pixels
+from convwass_addon.bridge.scene_writing import write_usd
 from convwass_addon.bridge.studio import move_result
 from convwass_addon.cli import main
 from convwass_addon.disk_space import require_space, require_whole
+from convwass_addon.drafts import written_whole
 from convwass_addon.errors import ConvwassError, InputError, ResourceError
 from tests.applications.test_frame_cache import assert_same
 from tests.fuzz.killed_bake import bake
@@ -127,6 +129,32 @@ def test_free_space_is_checked_in_advance(tmp_path, monkeypatch):
     monkeypatch.setattr(disk_space.shutil, "disk_usage", lambda _: _Usage(9, 9, 0))
     with pytest.raises(ConvwassError, match="is full"):
         require_whole(tmp_path / "a.abc", tmp_path / "b.abc")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="limits of the size of files are POSIX")
+@pytest.mark.parametrize("name", ["x.blend", "x.usdc"])
+def test_files_that_a_quota_truncates_are_refused(name, empty_scene, tmp_path):
+    """There is free space, and Blender reports no error."""
+    import resource
+
+    bpy.ops.mesh.primitive_monkey_add()
+    path = tmp_path / name
+    path.write_bytes(b"old")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, before[1]))
+    try:
+        with pytest.raises(ConvwassError, match=r"x\..* could not be written"):
+            if path.suffix == ".blend":
+                save_blend(path)
+            else:
+                with written_whole(path) as draft:
+                    write_usd(str(draft))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+    save_blend(path) if path.suffix == ".blend" else write_usd(str(path))
+    require_whole(path, path)
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89PNG half", None])
