@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
@@ -194,6 +195,19 @@ def _take_the_place(obj: bpy.types.Object, made: bpy.types.VertexGroup, name: st
         groups.remove(made)
         raise InputError("{name} is too long for the name of a vertex group; choose a shorter one.", name=name)
     groups.active_index = made.index
-    with bpy.context.temp_override(object=obj, active_object=obj):
+    with _in_viewports(obj), bpy.context.temp_override(object=obj, active_object=obj):
         for _ in range(steps):
             bpy.ops.object.vertex_group_move(direction="UP")
+
+
+@contextmanager
+def _in_viewports(obj: bpy.types.Object) -> Iterator[None]:
+    """Enable an object in viewports, without which Blender does not move its groups."""
+    if not obj.hide_viewport:
+        yield
+        return
+    obj.hide_viewport = False
+    try:
+        yield
+    finally:
+        obj.hide_viewport = True

@@ -185,8 +185,11 @@ def test_objects_out_of_sight(obj, bare_scene, where):
         bare_scene.collection.objects.unlink(obj)
     bpy.context.view_layer.objects.active = None
     write_group(obj, "Head", WEIGHTS)
+    write_group(obj, "After", WEIGHTS)
     write_group(obj, "Head", WEIGHTS[::-1])
     assert read_group(obj, "Head") == pytest.approx(WEIGHTS[::-1], rel=1e-6)
+    assert group_names(obj) == ["Head", "After"]
+    assert obj.hide_viewport == (where == "hidden")
 
 
 def test_shape_keys_and_modifiers_do_not_matter(obj):
