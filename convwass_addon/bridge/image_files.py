@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
+from .color_spaces import show_unchanged
 from .numbered_files import split_number, with_number
 from .operator_errors import reason
 
@@ -145,7 +146,7 @@ def drawn_image(
     pixels : (height, width, 4) float32
         RGBA, lowest row first.
     colorspace : str, optional
-        Blender's name of the color space of the values; "Non-Color" for values without a view transform. By default
+        Blender's name of the color space of the values; one of `DATA` for values without a view transform. By default
         that of new images.
     is_float : bool
         Store floats rather than bytes.
@@ -193,7 +194,8 @@ def _format_scene(how: ImageFormat) -> Iterator[bpy.types.Scene]:
         settings.quality = _QUALITY
         if how.file_format == "OPEN_EXR":
             settings.exr_codec = "ZIP"
-        scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+        show_unchanged(scene)
+        scene.view_settings.look = "None"
         yield scene
     finally:
         bpy.data.scenes.remove(scene)

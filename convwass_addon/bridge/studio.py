@@ -19,6 +19,7 @@ from ..disk_space import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
 from ..geometry.affine import transformed_points
+from .color_spaces import show_unchanged
 from .element_values import element_values
 from .files import checked_target
 from .framing import Pose, View
@@ -297,7 +298,7 @@ def _set_renderer(scene: bpy.types.Scene) -> None:
     render.resolution_percentage = 100
     render.image_settings.file_format = "PNG"
     render.image_settings.color_mode = "RGB"
-    scene.view_settings.view_transform = "Standard"
+    show_unchanged(scene)
     scene.view_settings.exposure = 0.0
 
 

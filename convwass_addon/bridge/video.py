@@ -11,6 +11,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import ConvwassError
+from .color_spaces import show_unchanged
 from .studio import move_result, run_render
 
 
@@ -55,7 +56,7 @@ def _set_output(scene: bpy.types.Scene, resolution: tuple[int, int], frames_per_
     render.resolution_x, render.resolution_y = resolution
     render.resolution_percentage = 100
     render.fps, render.fps_base = frames_per_second, 1.0
-    scene.view_settings.view_transform = "Standard"
+    show_unchanged(scene)
     try:
         if hasattr(render.image_settings, "media_type"):  # Blender 5
             render.image_settings.media_type = "VIDEO"

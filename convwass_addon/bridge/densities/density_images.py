@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
+from ..color_spaces import DATA, color_space
 from ..element_values import MeshTriangles, element_values
 from ..files import absolute_folder, file_stem, made_folder
 from ..image_files import ImageFormat, drawn_image, opaque_pixels, write_image
@@ -229,6 +230,6 @@ def _written(
     how = ImageFormat(settings.file_format, "BW", DEPTHS[settings.file_format])
     for values, path in zip(frames, paths, strict=True):
         # The view transform must not change the values.
-        with drawn_image(opaque_pixels(pixels.picture(values)[..., None]), "Non-Color") as image:
+        with drawn_image(opaque_pixels(pixels.picture(values)[..., None]), color_space(DATA)) as image:
             write_image(image, path, how)
         yield path

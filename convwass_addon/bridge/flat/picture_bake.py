@@ -21,6 +21,7 @@ from ...applications.flat.flat_frames import FlatFrame
 from ...applications.morphs.layouts import Blend
 from ...drafts import DraftFiles
 from ...errors import InputError
+from ..color_spaces import SRGB, color_space
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..image_files import image_path
@@ -130,6 +131,7 @@ class PictureBake(MorphBake):
         if self._plane is not None and self._plane.find() is not None:
             files = self._drafts.keep()
             image = self._picture_node().image = bpy.data.images.load(str(min(files)))
+            image.colorspace_settings.name = color_space(SRGB)
             image.filepath = for_blender(min(files))
             store_written(collection, files)
             remember_folder(collection, self._folder)
@@ -187,6 +189,7 @@ def _described(obj: bpy.types.Object, gray: GrayInput) -> FrozenInput:
 
 def _save(pixels: NDArray[np.float32], path: Path) -> None:
     like = bpy.data.images.new("Picture", 1, 1, alpha=True)
+    like.colorspace_settings.name = color_space(SRGB)
     try:
         save_pixels(pixels, like, path)
     finally:

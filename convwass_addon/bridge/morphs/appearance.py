@@ -14,6 +14,7 @@ from ...applications.morphs.appearance import Appearance, Carried, Paint, Painte
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
+from ..color_spaces import SRGB
 from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
 from ..scene_colors import scene_of_srgb
@@ -293,7 +294,7 @@ def _pixels(image: bpy.types.Image | None) -> np.ndarray | None:
     if len(image.pixels) != image.size[0] * image.size[1] * 4:
         return None
     pixels = pixel_values(image)
-    if not image.is_float and image.colorspace_settings.name == "sRGB":
+    if not image.is_float and image.colorspace_settings.name in SRGB:
         pixels[..., :3] = scene_of_srgb(pixels[..., :3])
     while max(pixels.shape[:2]) > _MOST_PIXELS:
         pixels = _halved(pixels)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import ConvwassError
+from ..color_spaces import DATA, color_space
 from ..image_files import pixel_values
 from ..node_trees import own_tree
 from ..operator_errors import reason
@@ -66,7 +67,7 @@ def baked_pixels(look: Look, channel: Channel, size: TextureSize, reach: float) 
         Cycles could not bake.
     """
     image = bpy.data.images.new("Baking", size.pixels, size.pixels, alpha=True, float_buffer=True)
-    image.colorspace_settings.name = "Non-Color"
+    image.colorspace_settings.name = color_space(DATA)
     # Blender would clear the image with an alpha of 1.
     image.pixels.foreach_set(np.zeros(4 * size.pixels**2, np.float32))
     try:

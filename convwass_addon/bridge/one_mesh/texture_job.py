@@ -18,6 +18,7 @@ from ...applications.whole_paths import share_a_place
 from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
+from ..color_spaces import DATA, SRGB, color_space
 from ..element_values import element_values, write_attribute, write_floats
 from ..files import absolute_folder, file_stem
 from ..handles import Handle
@@ -436,7 +437,7 @@ def _image(name: str, pixels: NDArray[np.float32], channel: Channel) -> bpy.type
     """Create an image of bytes from scene linear values, (size, size, 3)."""
     size = len(pixels)
     image = bpy.data.images.new(name, size, size, alpha=False)
-    image.colorspace_settings.name = "sRGB" if channel.is_color else "Non-Color"
+    image.colorspace_settings.name = color_space(SRGB if channel.is_color else DATA)
     values = srgb_of_scene(pixels) if channel.is_color else np.clip(pixels, 0.0, 1.0)
     image.pixels.foreach_set(opaque_pixels(values).ravel())
     image.update()

@@ -17,6 +17,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_nor
 from ...applications.palettes.png_bytes import png_bytes
 from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
+from ..color_spaces import DATA, color_space
 from ..element_values import element_values, write_floats
 from ..image_files import ImageFormat, drawn_image, opaque_pixels, save_image
 from ..scene_writing import write_draft, write_still_gltf
@@ -154,7 +155,7 @@ def _write_png(pixels: NDArray[np.uint8], path: Path, drafts: DraftFiles) -> Non
 
 def _write_exr(pixels: NDArray[np.float32], path: Path, drafts: DraftFiles) -> None:
     """Write an image of floats, (height, width, 3), top row first."""
-    with drawn_image(opaque_pixels(pixels)[::-1], "Non-Color") as image, drafts.written(path) as draft:
+    with drawn_image(opaque_pixels(pixels)[::-1], color_space(DATA)) as image, drafts.written(path) as draft:
         save_image(image, draft, _EXR)
 
 

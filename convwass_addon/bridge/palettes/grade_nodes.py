@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.palettes.lookup_table import LookupTable
+from ..color_spaces import SRGB, color_space
 from ..data_images import data_image
 from ..last_result import last_result
 from ..node_math import feed, math_node, mixed, new_node
@@ -129,7 +130,9 @@ class _Grade:
     def encoded(self, came_in: Socket) -> tuple[list[Socket], Socket]:
         """Return sRGB encoded red, green and blue with straight alpha, and alpha."""
         straight = self._alpha_node(came_in, to_straight=True)
-        convert = new_node(self.group, "CompositorNodeConvertColorSpace", {0: straight}, to_color_space="sRGB")
+        convert = new_node(
+            self.group, "CompositorNodeConvertColorSpace", {0: straight}, to_color_space=color_space(SRGB)
+        )
         *channels, alpha = new_node(self.group, "CompositorNodeSeparateColor", {0: convert.outputs[0]}).outputs
         return channels, alpha
 
@@ -138,7 +141,7 @@ class _Grade:
         join = new_node(self.group, "CompositorNodeCombineColor", dict(enumerate((*channels, alpha))))
         convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
         # By default, a new node converts from the scene's color space.
-        scene, convert.from_color_space = convert.from_color_space, "sRGB"
+        scene, convert.from_color_space = convert.from_color_space, color_space(SRGB)
         convert.to_color_space = scene
         self.group.links.new(join.outputs[0], convert.inputs[0])
         return self._alpha_node(convert.outputs[0], to_straight=False)

@@ -12,13 +12,11 @@ from ...applications.palettes.distinct_colors import LEVELS
 from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
+from ..color_spaces import DATA, LINEAR, SRGB
 from ..image_files import pixel_values, refuse_damaged
 from ..last_result import last_result
 from ..scene_colors import scene_to_rec709
 from .image_kinds import RESULT_OF
-
-_LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
-_SRGB = ("sRGB", "sRGB OETF", "Utility - sRGB - Texture", "Non-Color", "Raw", "Generic Data")
 
 
 def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None, name: str = "") -> Picture:
@@ -89,14 +87,14 @@ def image_format(image: bpy.types.Image) -> PixelFormat:
         alpha = "ignored" if ignores_alpha else "associated"
         return PixelFormat("linear", alpha, scene_to_rec709(), np.inf)
     space = image.colorspace_settings.name
-    if space not in (*_LINEAR, *_SRGB):
+    if space not in (*LINEAR, *SRGB, *DATA):
         raise InputError(
             "{image} is in the color space {space}, which is not supported; set it to sRGB or Linear Rec.709, or "
             "convert the image to floats.",
             image=image.name,
             space=space,
         )
-    encoding, alpha = "linear" if space in _LINEAR else "srgb", "ignored" if ignores_alpha else "straight"
+    encoding, alpha = "linear" if space in LINEAR else "srgb", "ignored" if ignores_alpha else "straight"
     return PixelFormat(encoding, alpha, levels=LEVELS)
 
 

@@ -17,6 +17,7 @@ from ...applications.reflectance.table_pictures import has_table_size, table_of_
 from ...applications.whole_paths import whole_path
 from ...drafts import written_whole
 from ...errors import InputError
+from ..color_spaces import DATA, color_space
 from ..data_images import data_image
 from ..files import checked_target
 from ..image_files import opened_image, pixel_values
@@ -114,7 +115,7 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
 def _read_exr(file: Path) -> NDArray[np.float32]:
     """Read a file whose size was checked, (height, width, 3), from the bottom row up."""
     with opened_image(file) as image:
-        image.colorspace_settings.name = "Non-Color"
+        image.colorspace_settings.name = color_space(DATA)
         width, height = image.size
         if not image.is_float or len(image.pixels) != width * height * image.channels or image.channels < 3:
             raise InputError("{name} is not a table of lobes.", name=file.name)
