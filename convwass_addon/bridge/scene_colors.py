@@ -34,15 +34,24 @@ def srgb_of_scene(linear: NDArray[np.floating]) -> NDArray[np.floating]:
     return srgb_of_linear(np.clip(_converted(linear, scene_to_rec709()), 0.0, 1.0))
 
 
+def kind_of_colors() -> str:
+    """Return the type of color attribute that holds the colors of a scene: bytes, unless sRGB does not reach them."""
+    return "BYTE_COLOR" if _is_rec709() else "FLOAT_COLOR"
+
+
 def set_colors(attribute: bpy.types.Attribute, colors: NDArray[np.floating]) -> None:
     """Write scene linear RGBA colors, (n, 4), to all elements of a color attribute."""
     values = np.ascontiguousarray(colors, dtype=np.float32)
-    if attribute.data_type == "BYTE_COLOR" and not np.array_equal(scene_to_rec709(), np.eye(3)):
+    if attribute.data_type == "BYTE_COLOR" and not _is_rec709():
         # Blender decodes bytes to the space of the scene, but encodes as if that were always Rec.709.
         encoded = np.concatenate([srgb_of_scene(values[:, :3]), values[:, 3:]], axis=1)
         attribute.data.foreach_set("color_srgb", encoded.ravel())
     else:
         attribute.data.foreach_set("color", values.ravel())
+
+
+def _is_rec709() -> bool:
+    return np.array_equal(scene_to_rec709(), np.eye(3))
 
 
 def _converted(colors: NDArray[np.floating], matrix: NDArray[np.float64]) -> NDArray[np.floating]:

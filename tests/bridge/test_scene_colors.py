@@ -14,11 +14,14 @@ from convwass_addon.bridge.color_attributes import read_colors, write_colors
 from convwass_addon.bridge.element_values import write_attribute
 from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.morphs.appearance import read_appearance
+from convwass_addon.bridge.morphs.frame_attributes import COLOR
+from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.bridge.scene_colors import scene_of_srgb, scene_to_rec709, srgb_of_scene
 from convwass_addon.bridge.skies.sky_pixels import read_sky
+from tests.operators.morphs import baked_morph, two_shapes
 from tests.pictures import image_of
 
 pytestmark = [
@@ -92,6 +95,15 @@ def test_images_of_bytes_are_read_as_skies(space):
     image.pixels.foreach_set(np.tile(np.float32([*ORANGE, 1.0]), 32))
     linear = Color(ORANGE).from_rec709_linear_to_scene_linear()
     np.testing.assert_allclose(read_sky(image)[0, 0], in_scene(ORANGE) if space == "sRGB" else linear, atol=0.005)
+
+
+def test_frames_hold_colors_beyond_srgb():
+    color = (1.0, 0.2, 0.02, 1.0)
+    for obj in two_shapes():
+        obj.color = color
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=16)
+    (colors,) = [own for own in frame_objects(baked_morph())[1].data.color_attributes if own.name == COLOR]
+    np.testing.assert_allclose(colors.data[0].color, color, atol=0.01)
 
 
 def test_heat_maps_have_the_same_colors():

@@ -12,6 +12,7 @@ import numpy as np
 from ..element_values import element_values, write_attribute
 from ..morphs.appearance import COLOR
 from ..morphs.materials import attribute_material, object_property_material, see_through_material
+from ..scene_colors import kind_of_colors
 
 REGION_KEY = "convwass_region_{}"
 """Custom property of a curve object with the color of a region, numbered from 1."""
@@ -71,7 +72,7 @@ def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
     table = np.array(colors, dtype=np.float32)
     points = np.repeat(table[:1], len(mesh.vertices), axis=0)
     points[corners] = table[np.minimum(np.repeat(slots, totals), len(table) - 1)]
-    write_attribute(mesh, COLOR, "BYTE_COLOR", points)
+    write_attribute(mesh, COLOR, kind_of_colors(), points)
     mesh.color_attributes.active_color_name = COLOR
     mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
     mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))

@@ -17,7 +17,7 @@ from ...geometry.polygons import Polygons
 from ..color_spaces import SRGB
 from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
-from ..scene_colors import scene_of_srgb
+from ..scene_colors import kind_of_colors, scene_of_srgb
 from ..vertex_groups import mesh_weights
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, is_object_color, shows_color_attribute
@@ -125,12 +125,12 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
     carried : Carried
         The data to write.
     """
-    # With 8 bits, since colors come from images, and files stay small; values are clamped to one.
-    write_attribute(mesh, COLOR, "BYTE_COLOR", carried.color)
+    # With 8 bits if possible, since colors come from images, and files stay small; values are clamped to one.
+    write_attribute(mesh, COLOR, kind_of_colors(), carried.color)
     for index, weight in enumerate(carried.weights, start=1):
         write_attribute(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
     for index, seen in carried.inputs.items():
-        write_attribute(mesh, LOOK.format(index + 1), "BYTE_COLOR", seen.colors)
+        write_attribute(mesh, LOOK.format(index + 1), kind_of_colors(), seen.colors)
         if seen.materials.any():
             write_attribute(mesh, SOURCE_MATERIAL.format(index + 1), "INT", seen.materials.astype(np.int32))
     for name, weights in carried.groups.items():
