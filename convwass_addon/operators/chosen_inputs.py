@@ -11,7 +11,7 @@ import bpy
 
 from ..bridge.active import selected_objects
 from ..bridge.morphs.stored import stored_inputs, stored_settings
-from ..bridge.shape_sources import OBJECTS, require_found, shape_roots, shape_sources
+from ..bridge.shape_sources import OBJECTS, is_part, require_found, shape_roots, shape_source, shape_sources
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
 
@@ -66,6 +66,7 @@ def chosen_inputs(
     else:
         selected = selected_objects(context)
         objects = settings.sorted_shapes(shape_roots(selected, settings.grouping))
+        _refuse_parts_of_one(objects, [obj for obj in selected if is_part(obj)], settings.grouping)
         numbers = [1.0] * len(objects)
     if weights.strip():
         numbers = _numbers(weights)
@@ -95,6 +96,25 @@ def baked_inputs(morph: bpy.types.Collection | bpy.types.Object, weights: str = 
     objects = stored_inputs(morph)
     _require_found(objects, stored_settings(morph).get("grouping", OBJECTS))
     return ChosenInputs(objects, _numbers(weights) if weights.strip() else [1.0] * len(objects))
+
+
+def _refuse_parts_of_one(
+    shapes: Sequence[bpy.types.Object], selected: Sequence[bpy.types.Object], grouping: str
+) -> None:
+    """Raise InputError if several selected objects are a single shape."""
+    if len(shapes) != 1 or len(selected) < 2:
+        return
+    if grouping == OBJECTS:
+        raise InputError(
+            "{first} and {second} are one surface, as are all metaballs whose names differ only in the number; rename "
+            "one of them.",
+            first=selected[0].name,
+            second=selected[1].name,
+        )
+    raise InputError(
+        "All selected objects are parts of one shape, {name}; select another one too, or set Shapes to Objects.",
+        name=shape_source(shapes[0], grouping).name,
+    )
 
 
 def _require_found(objects: Sequence[bpy.types.Object], grouping: str) -> None:

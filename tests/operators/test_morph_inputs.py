@@ -462,6 +462,23 @@ def test_metaballs_that_are_joined_are_one_shape(empty_scene):
     }
 
 
+def test_several_objects_that_are_one_shape_are_told(empty_scene):
+    for x in (0.0, 9.0):
+        bpy.ops.object.metaball_add(location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    with pytest.raises(RuntimeError, match=r"Mball and Mball\.001 are one surface"):
+        bpy.ops.convwass.bake_morph(**QUICK)
+    bpy.data.objects["Mball.001"].name = "Blob"
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
+
+
+def test_several_objects_of_one_parent_are_told(shapes):
+    for part in shapes[1:]:
+        part.parent = shapes[0]
+    with pytest.raises(RuntimeError, match=r"parts of one shape, B; .* or set Shapes to Objects"):
+        bpy.ops.convwass.bake_morph(grouping="PARENTS", **QUICK)
+
+
 def test_the_file_is_searched_once_for_a_list_of_objects(shapes, monkeypatch):
     """Shapes and what has children can be chosen, also soon after that has changed."""
     clock = [1.0]
