@@ -61,7 +61,7 @@ def nodes_output(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Nodes
     with evaluated_object(obj, depsgraph) as evaluated:
         made = evaluated.evaluated_geometry()
         strands = made.curves if obj.type not in _SPLINES else None
-        thin = [own for own in (strands, made.pointcloud) if own is not None]
+        thin = [own for own in (strands, made.pointcloud) if own is not None and len(own.points)]
         return NodesOutput(
             mesh=made.mesh is not None and len(made.mesh.polygons) > 0,
             instances=made.instances_pointcloud() is not None,

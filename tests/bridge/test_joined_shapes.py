@@ -460,6 +460,12 @@ def test_splines_without_radius_are_refused(add):
         read(obj)
 
 
+@pytest.mark.parametrize("kind", ["hair_curves", "pointclouds"])
+def test_objects_without_any_strands_or_points_are_called_empty(bare_scene, kind):
+    with pytest.raises(InputError, match="Nothing has no faces"):
+        read(linked("Nothing", getattr(bpy.data, kind).new("Nothing")))
+
+
 def test_a_collection_without_surfaces_is_refused(bare_scene, inventory):
     empty = instance("Shown", new_collection("Nothing"))
     before = inventory()
