@@ -28,7 +28,9 @@ def open_empty() -> None:
 
 
 def open_blend(path: Path) -> None:
-    """Open a file unchanged, without running its scripts.
+    """Open a file unchanged, without running its scripts; an interrupt takes effect after that.
+
+    Blender prints an interrupt that comes while it runs its own Python code for that, and goes on.
 
     Raises
     ------
@@ -37,7 +39,8 @@ def open_blend(path: Path) -> None:
     """
     file = whole_path(path)
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False, use_scripts=False)
+        with delayed_interrupts():
+            bpy.ops.wm.open_mainfile(filepath=str(file), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         raise _unreadable(file) from error
 

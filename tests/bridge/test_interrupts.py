@@ -12,7 +12,8 @@ from importlib import import_module
 import bpy
 import pytest
 
-from convwass_addon.bridge.blend_files import open_empty
+from convwass_addon.bridge.blend_files import open_blend, open_empty
+from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.interrupts import delayed_interrupts, kept_interrupts
 from convwass_addon.bridge.morphs.gltf_animation import write_gltf_animation
@@ -64,6 +65,17 @@ def test_an_interrupt_while_blender_enables_its_addons_is_raised_after_it(monkey
     with pytest.raises(KeyboardInterrupt):
         open_empty()
     assert enabled
+
+
+def test_an_interrupt_while_a_file_is_opened_is_raised_after_it(tmp_path):
+    bpy.ops.mesh.primitive_cube_add()
+    path = save_blend(tmp_path / "cube.blend")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    # Blender removes it when another file is open.
+    bpy.app.handlers.load_pre.append(interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        open_blend(path)
+    assert "Cube" in bpy.data.objects
 
 
 def test_an_interrupt_that_an_operator_ignores_is_raised_after_it():
