@@ -36,5 +36,5 @@ except ModuleNotFoundError as error:
     sys.exit("The command line needs Blender as a Python module: pip install 'convwass[blender]'")
 except KeyboardInterrupt:
     # Interrupted before the command line could handle it.
-    print("convwass: interrupted", file=sys.stderr)
+    sys.stderr.write("convwass: interrupted\n")
     sys.exit(130)

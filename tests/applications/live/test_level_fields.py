@@ -134,7 +134,7 @@ def test_weights_out_of_range_are_brought_back():
 
 
 @pytest.mark.parametrize(
-    ("weights", "message"), [((1, 1, 1), "3 weights"), ((0, -1), "All weights"), ((np.nan, 1), "finite")]
+    ("weights", "message"), [((1, 1, 1), "there are 3"), ((0, -1), "All weights"), ((np.nan, 1), "finite")]
 )
 def test_weights_without_a_meaning_are_refused(weights, message):
     with pytest.raises(InputError, match=message):
