@@ -311,7 +311,7 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
     def moved(meshes, names, *_):
         yield Progress(0.5, Sentence("Half"))
         poor = np.array([3, 5])
-        return [KeyPath(names[1], (1.0,), meshes[0].vertices[None] * 0.5, 0.9, 0.0, 0.1, 0.5, 0, poor=poor)]
+        return [KeyPath(names[1], (1.0,), meshes[0].vertices[None] * 0.5, 0.9, 0.0, 0.1, 0.5, 0, poor, missed=0.08)]
 
     monkeypatch.setattr(shape_key_job, "key_paths", moved)
     coat = bpy.data.materials.new("Coat")
@@ -326,6 +326,7 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
     named = said.out.split("\n")
     assert "Cube Morph: 1 shape keys; 95 % of the mesh ends within " in said.err
     assert "2 vertices are folded or do not arrive at Ball; an attribute marks them: add guides there" in said.err
+    assert "8% of the surface of Ball is missed: the mesh has too few vertices there" in said.err
     assert str(tmp_path / "keys.blend") in named
     written = list((tmp_path / "images").iterdir())
     assert written and {str(file) for file in written} < set(named)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...geometry.missed_share import missed_share
 from ...geometry.orientation import orient_outward
 from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
@@ -97,6 +98,9 @@ class KeyPath:
     poor : (p,) int64
         Misplaced vertices: those of flipped or collapsed triangles, and those farther than a hundredth of the diagonal
         from the surface.
+    missed : float
+        Share of the other surface that is farther than a hundredth of its diagonal from the mesh at the end, such as a
+        knob where the mesh has no vertices.
     """
 
     name: str
@@ -108,12 +112,13 @@ class KeyPath:
     distance_95: float
     turned: int
     poor: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    missed: float = 0.0
 
     __repr__ = one_line("name", "times", "positions")
 
     def record(self) -> dict[str, object]:
         """Return all figures, ready for JSON."""
-        names = ("name", "score", "deviation", "distance", "distance_95", "turned")
+        names = ("name", "score", "deviation", "distance", "distance_95", "turned", "missed")
         return {**{name: getattr(self, name) for name in names}, "poor": len(self.poor), "times": list(self.times)}
 
 
@@ -255,7 +260,7 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
     yield Progress(0.0, message)
     final, folds = TriangleMesh(last, way.mesh.faces), way.folds
     diagonal = way.target.diagonal
-    areas = final.vertex_areas
+    areas, missed = final.vertex_areas, 0.0
     if way.ends_on_vertices:
         distances = np.linalg.norm(last - way.target.vertices, axis=1) / diagonal
         turned, poor = np.zeros(len(final.faces), bool), distances > _FAR
@@ -265,9 +270,12 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
         turned = folds.agreements(final.vertices, control) < 0.0
         poor = distances > _FAR
         poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
+        yield Progress(0.7, message)
+        missed = missed_share(way.target, final, _FAR * diagonal, control)
     return {
         "distance": float(areas @ distances / areas.sum()),
         "distance_95": weighted_quantile(distances, areas, 0.95),
         "turned": int(turned.sum()),
         "poor": np.flatnonzero(poor),
+        "missed": missed,
     }

@@ -10,6 +10,9 @@ from ...applications.one_mesh.key_paths import KeyPath
 from ...applications.one_mesh.swapped_meshes import SwappedMeshes
 from ...sentence import Sentence
 
+# Smaller shares of a shape that the mesh misses are not told.
+_LITTLE = 0.01
+
 
 def key_summary(name: str, paths: Sequence[KeyPath]) -> Sentence:
     """Return how well the mesh of an object arrives at the other shapes."""
@@ -32,8 +35,8 @@ def swap_summary(first: str, second: str, found: SwappedMeshes) -> Sentence:
 
 
 def poor_notices(paths: Sequence[KeyPath]) -> list[Sentence]:
-    """Return a notice for every other shape at which vertices do not arrive, or remain folded."""
-    return [
+    """Return notices for the other shapes at which vertices do not arrive, or remain folded, or that are missed."""
+    poor = [
         Sentence(
             "{count} vertices are folded or do not arrive at {name}; an attribute marks them: add guides there",
             {"count": len(path.poor), "name": path.name},
@@ -41,3 +44,13 @@ def poor_notices(paths: Sequence[KeyPath]) -> list[Sentence]:
         for path in paths
         if len(path.poor)
     ]
+    missed = [
+        Sentence(
+            "{share:.0%} of the surface of {name} is missed: the mesh has too few vertices there; "
+            "choose another Basis, or subdivide it",
+            {"share": path.missed, "name": path.name},
+        )
+        for path in paths
+        if path.missed > _LITTLE
+    ]
+    return [*poor, *missed]

@@ -96,6 +96,7 @@ def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
     assert path.distance < 0.001
     assert path.distance_95 < 0.004
     assert path.turned == 0
+    assert path.missed == 0.0
     end = TriangleMesh(path.positions[-1], arms[0].faces)
     # The second arm has more and other vertices. Rings end within a quarter of its thickness of where they belong.
     known = arm(np.radians(120.0))[0].vertices
