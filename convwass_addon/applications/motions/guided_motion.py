@@ -8,7 +8,8 @@ to the others: with gradients F_ij = exp(g_ij) exp(s_ij) exp(u_ij) Q_ij, the pro
 swing, a twist and a stretch, its triangles get exp(sum_j w_j g_ij) exp(sum_j w_j s_ij) exp(sum_j w_j u_ij) (sum_j w_j
 Q_ij), where g_ii, s_ii and u_ii are zero and Q_ii = 1, and a Poisson system gives its vertices. Then all shapes are
 rigidly aligned with each other, and corresponding vertices move to their mean. For two shapes this is Poisson shape
-interpolation from both ends. For more shapes the result depends only on the weights, not on the path through them.
+interpolation from both ends. For more shapes the result depends only on the weights, not on the path through them, and
+their maps agree with each other; see :mod:`.consistent_maps`.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +31,7 @@ from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread, side_by_side
 from .carriers import Carrier, carrier_of
 from .common_vertices import VersionOfMesh, met, versions_of_mesh
+from .consistent_maps import composed, composed_ways
 from .corresponding_vertices import corresponding_pair, vertices_correspond
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
@@ -265,10 +268,40 @@ def guided_motion(
         known[pair] = GuidedPair(
             score, left_out, best.detour, best.turn, quality.crumpling, best.tumbles, best.by_vertices
         )
+    _make_consistent(carriers, deformations, known, control)
     yield Progress(1.0, Sentence("Motion computed"))
     correspond = all(pair.by_vertices for pair in known.values())
     versions = versions_of_mesh(carriers, shapes) if correspond else ()
     return GuidedMotion(tuple(carriers), deformations, known, settings, versions)
+
+
+def _make_consistent(
+    carriers: Sequence[Carrier],
+    deformations: dict[tuple[int, int], ShapeDeformation],
+    known: dict[tuple[int, int], GuidedPair],
+    control: Control,
+) -> None:
+    """Replace maps that close a cycle by compositions of better ones, in place, unless vertices correspond anyway."""
+    if all(pair.by_vertices for pair in known.values()):
+        return
+    scores = {pair: found.score for pair, found in known.items()}
+    for (one, other), way in composed_ways(scores, len(carriers)).items():
+        with one_blas_thread():
+            laid = [composed(carriers, deformations, own, control) for own in (way, way[::-1])]
+            there = split_deformation(carriers[one], carriers[other], laid[0], None, control)
+            back = split_deformation(carriers[other], carriers[one], laid[1], there, control)
+            first = map_quality(carriers[one], carriers[other], there)
+            quality = first.or_worse(map_quality(carriers[other], carriers[one], back))
+        deformations[one, other], deformations[other, one] = there, back
+        passed = [known[min(step), max(step)] for step in pairwise(way)]
+        known[one, other] = GuidedPair(
+            min(pair.score for pair in passed),
+            sum(pair.guides_left_out for pair in passed),
+            max(pair.detour for pair in passed),
+            max(pair.turn for pair in passed),
+            quality.crumpling,
+            any(pair.tumbles for pair in passed),
+        )
 
 
 def _registered(
