@@ -15,6 +15,7 @@ from ..progress import UNINTERRUPTED, Control
 from .barycentric import points_of_triangles
 from .chunks import chunks
 from .distinct import sorted_distinct
+from .normals import dot_coordinates
 from .point_tree import point_tree
 
 # Least number of samples of a surface, such that large triangles have many, and number of samples per triangle.
@@ -278,19 +279,15 @@ def closest_in_triangles(corners: NDArray[np.float64], points: NDArray[np.float6
     # One contiguous array per coordinate: sums over rows of three numbers take four times as long.
     a, b, c = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
     ab, ac, offset = b - a, c - a, points.T - a
-    products = _Products(_dot(ab, ab), _dot(ab, ac), _dot(ac, ac), _dot(ab, offset), _dot(ac, offset))
+    pairs = (ab, ab), (ab, ac), (ac, ac), (ab, offset), (ac, offset)
+    products = _Products(*(dot_coordinates(*pair) for pair in pairs))
     second, third, inside = products.feet()
     first = 1.0 - second - third
     outside = np.flatnonzero(~inside)
     first[outside], second[outside], third[outside] = products.taken(outside).on_edges()
     offset -= second * ab
     offset -= third * ac
-    return InTriangle(np.stack([first, second, third], axis=1), np.sqrt(_dot(offset, offset)))
-
-
-def _dot(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the scalar products of vectors given by coordinates, (3, n)."""
-    return first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
+    return InTriangle(np.stack([first, second, third], axis=1), np.sqrt(dot_coordinates(offset, offset)))
 
 
 @dataclass(frozen=True)

@@ -82,3 +82,10 @@ def cross_coordinates(
     """
     (ux, uy, uz), (vx, vy, vz) = first, second
     return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+
+
+def dot_coordinates(
+    first: Sequence[NDArray[np.floating]], second: Sequence[NDArray[np.floating]]
+) -> NDArray[np.floating]:
+    """Return the scalar products, (m,), of vectors given by their coordinates, three arrays (m,)."""
+    return first[0] * second[0] + first[1] * second[1] + first[2] * second[2]
