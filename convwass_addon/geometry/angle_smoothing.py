@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from .label_groups import label_order
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .triangle_angles import smallest_angles
@@ -111,7 +112,7 @@ class _Rings:
         """Collect the triangles around the vertices of a mask, (n,)."""
         sides = np.flatnonzero(is_chosen.take(faces.ravel()))
         ends = faces.ravel().take(sides)
-        order = np.argsort(ends, kind="stable")
+        order = label_order(ends, len(is_chosen))
         sides, ends = sides[order], ends[order]
         starts = np.flatnonzero(np.diff(ends, prepend=-1))
         owners = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(ends)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .components import component_labels
+from .label_groups import label_order
 from .mesh import TriangleMesh
 
 
@@ -42,24 +43,18 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
     """Group the half-edges of `faces`, (m, 3), by undirected edge."""
     tail = faces.ravel()
     head = np.roll(faces, -1, axis=1).ravel()
-    key, order = _sorted_with_order(np.minimum(tail, head), np.maximum(tail, head))
+    key, order = sorted_pairs(np.minimum(tail, head), np.maximum(tail, head))
     start = np.flatnonzero(np.r_[True, key[1:] != key[:-1]]) if len(key) else np.empty(0, np.int64)
     count = np.diff(np.r_[start, len(key)])
     return EdgeUse(side=order, face=order // 3, forward=(tail < head)[order], start=start, count=count)
 
 
-def _sorted_with_order(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Sort pairs of vertices, (k,) each; return a key for every pair and the stable order, (k,)."""
-    width = int(high.max(initial=0)).bit_length()
-    place_width = len(low).bit_length()
-    if 2 * width + place_width > 63:
-        key = (low << width) | high
-        order = np.argsort(key, kind="stable")
-        return key[order], order
-    # Packing a pair and its position into one number makes sorting six times as fast as an argsort.
-    packed = (((low << width) | high) << place_width) | np.arange(len(low))
-    packed.sort()
-    return packed >> place_width, packed & ((1 << place_width) - 1)
+def sorted_pairs(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Sort pairs of vertices, (k,) each; return a number for every pair, in order, and the stable order, (k,)."""
+    count = int(high.max(initial=0)) + 1
+    order = label_order(high, count)
+    order = order.take(label_order(low.take(order), count))
+    return ((low << 32) | high).take(order), order
 
 
 def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:

@@ -58,11 +58,18 @@ class Polygons:
     @property
     def edges(self) -> PolygonEdges:
         """The edges, once each."""
+        # Imported here because this module is loaded when the extension is enabled, and that one loads SciPy.
+        from .edges import sorted_pairs
+
         following = np.arange(1, len(self.corners) + 1)
         following[np.append(self.starts[1:], len(self.corners))[: len(self.starts)] - 1] = self.starts
-        ends = np.sort(np.stack([self.corners, self.corners[following]], axis=1), axis=1)
-        keys, of_corners = np.unique((ends[:, 0] << 32) | ends[:, 1], return_inverse=True)
-        return PolygonEdges(np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1), of_corners.reshape(-1))
+        tails, heads = self.corners, self.corners[following]
+        keys, order = sorted_pairs(np.minimum(tails, heads), np.maximum(tails, heads))
+        is_first = np.diff(keys, prepend=-1) > 0
+        of_corners = np.empty(len(order), np.int64)
+        of_corners[order] = np.cumsum(is_first) - 1
+        keys = keys[is_first]
+        return PolygonEdges(np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1), of_corners)
 
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.label_groups import label_groups
+from convwass_addon.geometry.edges import sorted_pairs
+from convwass_addon.geometry.label_groups import label_groups, label_order
 
 
 @pytest.mark.parametrize("labels", [[], [0], [2, 0, 2, 4, 0, 2]])
@@ -15,3 +16,20 @@ def test_items_are_grouped_by_label(labels):
     assert len(found) == 5
     for label, items in enumerate(found):
         np.testing.assert_array_equal(items, np.flatnonzero(labels == label))
+
+
+@pytest.mark.parametrize("count", [10, 20_000])
+def test_many_items_with_the_same_label_stay_in_order(count):
+    labels = np.random.default_rng(0).integers(0, 300, count)
+    order = label_order(labels, 300)
+    assert order.dtype == np.int64
+    np.testing.assert_array_equal(order, np.argsort(labels, kind="stable"))
+
+
+@pytest.mark.parametrize("count", [0, 10, 20_000])
+def test_pairs_are_sorted_by_their_first_and_then_by_their_second_item(count):
+    low, high = np.random.default_rng(0).integers(0, 100, (2, count))
+    keys, order = sorted_pairs(low, high)
+    np.testing.assert_array_equal(order, np.lexsort((high, low)))
+    assert (np.diff(keys) >= 0).all()
+    np.testing.assert_array_equal(np.diff(keys) == 0, (np.diff(low[order]) == 0) & (np.diff(high[order]) == 0))
