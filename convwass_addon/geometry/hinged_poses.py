@@ -21,7 +21,7 @@ from scipy.sparse import coo_array
 
 from .label_sums import label_sums
 from .surface_samples import SurfaceSamples
-from .swing_twist import turn_matrices
+from .swing_twist import mean_turns, turn_matrices
 
 # Rigidity is estimated from lines up to this fraction of the longest; a line with this strain has half the weight.
 # Parts whose relative rotation is below the damping, in radians, do not determine a joint. The strain was measured
@@ -96,7 +96,7 @@ class HingedPose:
         back = np.swapaxes(against, 1, 2)
         normal = back @ against + _DAMPING**2 * np.eye(3)
         offsets = np.linalg.solve(normal, np.einsum("pij,pj->pi", back, unexplained)[:, :, None])[:, :, 0]
-        between = turn_matrices(0.5 * (own[one] + own[other]))
+        between = turn_matrices(mean_turns(own, samples.pairs))
         stretches = np.einsum("pji,pj->pi", between, unexplained - np.einsum("pij,pj->pi", against, offsets))
         strain = np.square(stretches).sum(axis=1) / lengths**2
         reach = lengths.max(initial=0.0)
@@ -156,12 +156,12 @@ def hinged_points(
     turns = sum(share * pose.turns for share, pose in zip(shares, poses, strict=True))
     stretches = stretch * sum(share * pose.stretches for share, pose in zip(shares, poses, strict=True))
     straight = (1.0 - total) * start + sum(share * pose.points for share, pose in zip(shares, poses, strict=True))
-    one, other = samples.pairs.T
-    half = 0.5 * (start[one] - start[other])
+    one, other = np.ascontiguousarray(samples.pairs.T)
+    half = 0.5 * (start.take(one, axis=0) - start.take(other, axis=0))
     rotations = turn_matrices(turns)
-    lines = scale * np.einsum("pij,pj->pi", rotations[one], half - joints)
-    lines += scale * np.einsum("pij,pj->pi", rotations[other], half + joints)
-    lines += np.einsum("pij,pj->pi", turn_matrices(0.5 * (turns[one] + turns[other])), stretches)
+    lines = scale * np.einsum("pij,pj->pi", rotations.take(one, axis=0), half - joints)
+    lines += scale * np.einsum("pij,pj->pi", rotations.take(other, axis=0), half + joints)
+    lines += np.einsum("pij,pj->pi", turn_matrices(mean_turns(turns, samples.pairs)), stretches)
     points = _solved_points(samples, lines, weights, straight)
     size = float(np.sqrt(samples.areas.sum()))
     points = points + _median(straight - points, samples.areas, _MEDIAN_WIDTH * size)

@@ -27,12 +27,13 @@ _ROUNDS, _NEAR = 20, 0.02
 
 
 def turn_matrices(turns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotations, (n, 3, 3), of turns, (n, 3, 3).
+    """Return the rotations, (n, 3, 3), of turns of one body, (n, 3, 3), whose first vectors are all the same.
 
-    They are composed as quaternions, in half of the time of products of matrices and a sixth of that of SciPy.
+    They are composed as quaternions, in two fifths of the time of products of matrices and an eighth of that of SciPy.
     """
-    whole, swing, twist = (_quaternions(turns[:, factor]) for factor in range(3))
-    w, x, y, z = _product(whole, _product(swing, twist))
+    # Coordinate by coordinate, numbers that are used together are next to each other.
+    whole, swings, twists = np.ascontiguousarray(turns.transpose(1, 2, 0))
+    w, x, y, z = _product(_quaternions(whole[:, :1]), _product(_quaternions(swings), _quaternions(twists)))
     result = np.empty((len(turns), 3, 3))
     result[:, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
     result[:, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
@@ -43,16 +44,23 @@ def turn_matrices(turns: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
+def mean_turns(turns: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the mean turns of the corners of triangles or of the ends of links, (k, 3) or (k, 2), as (k, 3, 3)."""
+    # Corner by corner: NumPy takes several times as long for means over an axis of length three.
+    total = sum(turns.take(corner, axis=0) for corner in np.ascontiguousarray(ends.T))
+    return total / ends.shape[1]
+
+
 def _quaternions(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the unit quaternions (w, x, y, z) of rotation vectors, (4, n)."""
-    x, y, z = vectors.T
+    """Return the unit quaternions (w, x, y, z) of rotation vectors, (3, n) by coordinate, as (4, n)."""
+    x, y, z = vectors
     half = 0.5 * np.sqrt(x * x + y * y + z * z)
     along = 0.5 * np.sinc(half / np.pi)
     return np.stack([np.cos(half), along * x, along * y, along * z])
 
 
 def _product(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the products of quaternions, (4, n)."""
+    """Return the products of quaternions, (4, n) or (4, 1)."""
     (a, b, c, d), (w, x, y, z) = one, other
     return np.stack(
         [
@@ -96,7 +104,7 @@ def divided_turns(whole: NDArray[np.float64], vectors: NDArray[np.float64], axes
         Turns.
     """
     # The twist part of a quaternion (w, v) about the axis a is (w, (v . a) a).
-    w, *v = _quaternions(vectors)
+    w, *v = _quaternions(vectors.T)
     twists = 2.0 * np.arctan2(np.einsum("dn,nd->n", v, axes.directions), w)
     # The same rotation by at most half a turn.
     twists -= 2.0 * np.pi * np.round(twists / (2.0 * np.pi))

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from ...geometry.hinged_poses import hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
-from ...geometry.swing_twist import turn_matrices
+from ...geometry.swing_twist import mean_turns, turn_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread, side_by_side
@@ -183,8 +183,8 @@ class GuidedMotion:
         rigid = 1.0 - stiffness + stiffness * scale
         parts = hinged_points(carrier.samples, mesh.vertices, poses, taken, rigid, 1.0 - stiffness)
         anchors = parts + np.einsum("nij,nj->ni", turn_matrices(turns), offsets)
-        gradients = turn_matrices(turns[mesh.faces].mean(axis=1)) @ stretches
-        turned = np.einsum("kij,kj->ki", turn_matrices(turns[links.ends].mean(axis=1)), link_stretches)
+        gradients = turn_matrices(mean_turns(turns, mesh.faces)) @ stretches
+        turned = np.einsum("kij,kj->ki", turn_matrices(mean_turns(turns, links.ends)), link_stretches)
         return gradients, turned, anchors
 
     def _correspondence(

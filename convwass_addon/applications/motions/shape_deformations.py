@@ -25,7 +25,14 @@ from ...geometry.rotation_fields import (
 )
 from ...geometry.rotations import nearest_rotations
 from ...geometry.surface_rotations import surface_rotations
-from ...geometry.swing_twist import divided_turns, inverse_turns, median_rotation, turn_matrices, turns_with_twists
+from ...geometry.swing_twist import (
+    divided_turns,
+    inverse_turns,
+    mean_turns,
+    median_rotation,
+    turn_matrices,
+    turns_with_twists,
+)
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -164,9 +171,9 @@ def _split(
 ) -> ShapeDeformation:
     """Divide a deformation with known images and rotations."""
     mesh, links, points = source.mesh, source.poisson.links, laid.points
-    rotations = turn_matrices(turns[mesh.faces].mean(axis=1))
+    rotations = turn_matrices(mean_turns(turns, mesh.faces))
     stretches = np.swapaxes(rotations, 1, 2) @ deformation_gradients(mesh.vertices, points, mesh.faces)
-    link_rotations = turn_matrices(turns[links.ends].mean(axis=1))
+    link_rotations = turn_matrices(mean_turns(turns, links.ends))
     link_stretches = np.einsum("kji,kj->ki", link_rotations, points[links.ends[:, 0]] - points[links.ends[:, 1]])
     control.check()
     pose = HingedPose.of(source.samples, mesh.vertices, points, turns)
