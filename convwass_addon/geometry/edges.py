@@ -57,6 +57,11 @@ def sorted_pairs(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArr
     return ((low << 32) | high).take(order), order
 
 
+def paired_vertices(keys: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the vertices of pairs, (k, 2), from the numbers that :func:`sorted_pairs` gives them."""
+    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
+
+
 def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
     """Return the vertices of every undirected edge, (e, 2), in the direction of a triangle; `use` is from `faces`."""
     sides = use.side[use.start]
@@ -65,7 +70,9 @@ def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
 
 def mesh_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the edges of `faces`, (m, 3), between different vertices, each once and sorted, smaller index first."""
-    ends = np.sort(edge_ends(faces, edge_use(faces)), axis=1)
+    tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    keys, _ = sorted_pairs(np.minimum(tails, heads), np.maximum(tails, heads))
+    ends = paired_vertices(keys[np.diff(keys, prepend=-1) > 0])
     return ends[ends[:, 0] < ends[:, 1]]
 
 

@@ -75,7 +75,7 @@ def missed_rims(
     offsets = points - starts[nearest]
     heights = np.einsum("nd,nd->n", offsets, normals[nearest])
     away = np.linalg.norm(offsets, axis=1)
-    near = (heights > _MISSED * cell) & (away < FARTHEST * cell) & (filled(starts) < _END)[nearest]
+    near = (heights > _MISSED * cell) & (away < FARTHEST * cell) & (filled(starts[nearest]) < _END)
     missed = np.flatnonzero(near)
     # The first of every vertex is the farthest.
     ordered = missed[np.argsort(-heights[missed], kind="stable")]
@@ -86,13 +86,16 @@ def missed_rims(
 def _samples(shape: TriangleMesh, spacing: float) -> NDArray[np.float64]:
     """Return the used vertices of a mesh, and points between them along edges that are longer than a spacing."""
     # Fine meshes have few long edges, and finding all of their edges would take most of the time.
-    ends = shape.vertices[mesh_edges(shape.faces[_have_long_sides(shape, spacing)])]
-    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    ends = mesh_edges(shape.faces[_have_long_sides(shape, spacing)])
+    # Coordinate by coordinate takes half the time.
+    columns = np.ascontiguousarray(shape.vertices.T)
+    first, second = (columns.take(end, axis=1) for end in ends.T)
+    lengths = np.sqrt(np.square(second - first).sum(axis=0))
     counts = np.clip(np.ceil(lengths / spacing).astype(np.int64), 1, _MOST_SAMPLES) - 1
     edges, places = integer_ranges(0, counts)
-    shares = ((places + 1) / (counts[edges] + 1))[:, None]
-    between = (1.0 - shares) * ends[edges, 0] + shares * ends[edges, 1]
-    return np.concatenate([shape.vertices[shape.is_used], between])
+    shares = (places + 1) / (counts + 1).take(edges)
+    between = (1.0 - shares) * first.take(edges, axis=1) + shares * second.take(edges, axis=1)
+    return np.concatenate([columns.compress(shape.is_used, axis=1), between], axis=1).T
 
 
 def _have_long_sides(shape: TriangleMesh, length: float) -> NDArray[np.bool_]:

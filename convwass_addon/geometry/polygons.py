@@ -59,7 +59,7 @@ class Polygons:
     def edges(self) -> PolygonEdges:
         """The edges, once each."""
         # Imported here because this module is loaded when the extension is enabled, and that one loads SciPy.
-        from .edges import sorted_pairs
+        from .edges import paired_vertices, sorted_pairs
 
         following = np.arange(1, len(self.corners) + 1)
         following[np.append(self.starts[1:], len(self.corners))[: len(self.starts)] - 1] = self.starts
@@ -68,8 +68,7 @@ class Polygons:
         is_first = np.diff(keys, prepend=-1) > 0
         of_corners = np.empty(len(order), np.int64)
         of_corners[order] = np.cumsum(is_first) - 1
-        keys = keys[is_first]
-        return PolygonEdges(np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1), of_corners)
+        return PolygonEdges(paired_vertices(keys[is_first]), of_corners)
 
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:
