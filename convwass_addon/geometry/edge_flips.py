@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import edge_use
+from .edges import edge_use, faces_touching
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .triangle_angles import smallest_angle_cosines
@@ -53,8 +53,7 @@ def _around(faces: NDArray[np.int64], chosen: NDArray[np.bool_], count: int) -> 
     """Return all triangles that share a vertex with chosen ones, (m,) bool, of a mesh with `count` vertices."""
     touched = np.zeros(count, bool)
     touched[faces.compress(chosen, axis=0)] = True
-    a, b, c = (touched.take(corner) for corner in faces.T)
-    return np.flatnonzero(a | b | c)
+    return faces_touching(faces, touched)
 
 
 @dataclass(frozen=True)

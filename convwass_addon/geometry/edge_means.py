@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .edges import edge_ends, edge_use
+from .label_sums import label_sums
 from .mesh import TriangleMesh
 
 
@@ -44,6 +45,17 @@ class EdgeMeans:
     def mean_points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Average points, (n, d), in the same way."""
         return np.stack([self.mean(part) for part in points.T], axis=1)
+
+    def mean_points_at(self, points: NDArray[np.float64], vertices: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Average points, (n, d), over the neighbors of some different vertices, (k,), only, as (k, d)."""
+        count = len(self.counts)
+        chosen = np.zeros(count, bool)
+        chosen[vertices] = True
+        sums = np.zeros((len(vertices), points.shape[1]))
+        for own, others in (self.ends.T, self.ends.T[::-1]):
+            edges = np.flatnonzero(chosen.take(own))
+            sums += label_sums(own.take(edges), points.take(others.take(edges), axis=0), count).take(vertices, axis=0)
+        return sums / self.counts.take(vertices)[:, None]
 
     def with_neighbors(self, chosen: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return a vertex mask, (n,), extended by its neighbors."""

@@ -177,6 +177,12 @@ def faces_between(faces: NDArray[np.int64], vertices: NDArray[np.int64], count: 
     return found[(found >= 0).all(axis=1)]
 
 
+def faces_touching(faces: NDArray[np.int64], vertices: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Return the indices of those of `faces`, (m, 3), that have at least one of some vertices, a mask (n,)."""
+    a, b, c = (vertices.take(corner) for corner in faces.T)
+    return np.flatnonzero(a | b | c)
+
+
 def component_areas(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the areas of the connected components; loose vertices belong to none."""
     labels = vertex_components(mesh)

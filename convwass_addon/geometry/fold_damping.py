@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .edge_means import EdgeMeans
+from .edges import faces_touching
 from .mesh import TriangleMesh
 from .normals import mean_directions, triangle_normals
 
@@ -44,25 +45,32 @@ def without_folds(
     """
     facing = mean_directions(normals, mesh.faces)
     before = np.einsum("md,md->m", triangle_normals(mesh.corners), facing)
+    is_folded = np.zeros(len(mesh.faces), bool)
 
-    def folded(displaced: NDArray[np.float64]) -> NDArray[np.int64]:
-        """Return the corners of newly folded triangles."""
-        corners = (mesh.vertices + displaced)[mesh.faces]
-        after = np.einsum("md,md->m", triangle_normals(corners), facing)
-        return np.unique(mesh.faces[(after < _TURNED) & (after < before)])
+    def folded(displaced: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the corners of newly folded triangles if only some of them, (k,), have moved since the last time."""
+        corners = (mesh.vertices + displaced).take(mesh.faces.take(rows, axis=0), axis=0)
+        after = np.einsum("md,md->m", triangle_normals(corners), facing.take(rows, axis=0))
+        is_folded[rows] = (after < _TURNED) & (after < before.take(rows))
+        return np.unique(mesh.faces[is_folded])
 
-    displaced = offsets.copy()
+    displaced, every = offsets.copy(), np.arange(len(mesh.faces))
+    rows = every
     for _ in range(_SMOOTHINGS):
-        found = folded(displaced)
+        found = folded(displaced, rows)
         if not len(found):
             return displaced
-        middles = means.mean_points(mesh.vertices + displaced)
-        displaced[found] = middles[found] - mesh.vertices[found]
+        middles = means.mean_points_at(mesh.vertices + displaced, found)
+        displaced[found] = middles - mesh.vertices[found]
+        moved = np.zeros(len(offsets), bool)
+        moved[found] = True
+        rows = faces_touching(mesh.faces, moved)
     shares, smoothed = np.ones(len(offsets)), displaced
     for halving in range(_HALVINGS + 1):
-        found = folded(displaced)
+        found = folded(displaced, rows)
         if not len(found):
             break
         shares[found] = 0.5 * shares[found] if halving < _HALVINGS else 0.0
         displaced = means.spread_minimum(shares, _FADING)[:, None] * smoothed
+        rows = every
     return displaced

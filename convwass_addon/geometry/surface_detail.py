@@ -29,7 +29,7 @@ from .chunks import chunks
 from .closest_points import ClosestPoints
 from .edge_flips import with_flipped_edges
 from .edge_means import EdgeMeans
-from .edges import edge_ends, edge_use
+from .edges import edge_ends, edge_use, faces_touching
 from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
@@ -64,8 +64,8 @@ _FLAT, _SMOOTH = 0.03, 0.01
 # normals, in this many rounds: a chair halfway to a man needs a fifth of a cell.
 _VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.6, 4
 
-# Triangles that are processed together, to save memory.
-_AT_ONCE = 1 << 15
+# Triangles that are processed together: their arrays fit into the cache of a processor.
+_AT_ONCE = 1 << 12
 
 
 @dataclass(frozen=True)
@@ -320,10 +320,10 @@ class _Carried:
             near[faces[turned]] = True
             chosen = means.with_neighbors(near) & ~self.on_rim
             moved = np.flatnonzero(chosen)
-            found = self.source.shape.finder.find_closest(means.mean_points(points)[moved])
+            found = self.source.shape.finder.find_closest(means.mean_points_at(points, moved))
             places = places.replaced(moved, found)
             points[moved] = found.interpolated(self.source.shape.mesh.corners)
-            rows = np.flatnonzero(np.logical_or.reduce([chosen.take(corner) for corner in faces.T]))
+            rows = faces_touching(faces, chosen)
         return replace(self, places=places, points=points)
 
 
