@@ -8,7 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
+from .chunks import chunks
 from .closest_points import TriangleSamples
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -26,6 +28,8 @@ _NEARLY, _CLEARLY = 0.045, 0.03
 # than in the best one: people are nearly symmetric from front to back, too. A shape that looks alike from all sides has
 # more than so many planes, which say nothing.
 _FACTOR, _SLACK, _MOST = 1.1, 3e-3, 8
+# Points mirrored together: in most planes, half of all points say that a shape is not nearly symmetric.
+_AT_ONCE = 50
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,10 @@ def _counted_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
 
 
 def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return the mean distances of a shape from its mirror images, (planes,), in sizes of the surface."""
+    """Return the mean distances of a shape from its mirror images, (planes,), in sizes of the surface.
+
+    Where a shape is not nearly symmetric, they are too short.
+    """
     samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
     points = (samples.points - mesh.area_center) / size
     normals = triangle_normals(mesh.corners)[samples.triangles]
@@ -112,12 +119,25 @@ def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     shares = samples.divided(mesh.face_areas) / mesh.area
     chosen = np.random.default_rng(0).choice(len(points), _SAMPLES, p=shares)
     own, facing = points[chosen], normals[chosen]
-    found = []
-    for normal in _normals():
-        images, turned = (values - 2.0 * (values @ normal)[:, None] * normal for values in (own, facing))
-        away = tree.query(np.hstack([images, _NORMALS * turned]), distance_upper_bound=_FARTHEST)[0]
-        found.append(np.minimum(away, _FARTHEST).mean())
-    return np.array(found)
+    return np.array([_mean_distance(tree, own, facing, normal) for normal in _normals()])
+
+
+def _mean_distance(
+    tree: cKDTree, points: NDArray[np.float64], facing: NDArray[np.float64], normal: NDArray[np.float64]
+) -> float:
+    """Return the mean distance of the mirror images of points with normals, (n, 3) each, from those of a search tree.
+
+    If it is larger than for any shape that is nearly symmetric, return a lower bound that is, too.
+    """
+    images, turned = (values - 2.0 * (values @ normal)[:, None] * normal for values in (points, facing))
+    asked, found, total = np.hstack([images, _NORMALS * turned]), [], 0.0
+    for some in chunks(len(points), _AT_ONCE):
+        away = tree.query(asked[some], distance_upper_bound=_FARTHEST)[0]
+        found.append(np.minimum(away, _FARTHEST))
+        total += float(found[-1].sum())
+        if total > _NEARLY * len(points):
+            return total / len(points)
+    return float(np.concatenate(found).mean())
 
 
 def _normals() -> NDArray[np.float64]:
