@@ -162,3 +162,20 @@ def test_a_blend_has_only_the_cells_that_it_needs():
     assert moved.shape[2] <= 24
     first = (moved.origin - large.origin) / large.spacing
     np.testing.assert_allclose(first, np.round(first / 8.0) * 8.0, atol=1e-9)
+
+
+def test_sampled_blends_are_not_moved_again(problem):
+    class Moved(Exception):
+        pass
+
+    class Unmovable:
+        def moved(self, weights):
+            raise Moved
+
+    again = replace(problem, motion=Unmovable())
+    found = again.moved_blend(MIDDLE, Control())
+    expected = replace(problem, sampled=None).moved_blend(MIDDLE, Control())
+    for own, other in zip(found.shapes, expected.shapes, strict=True):
+        np.testing.assert_array_equal(own.vertices, other.vertices)
+    with pytest.raises(Moved):
+        again.moved_blend(Blend((0.6, 0.4)), Control())

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol, TypeVar
@@ -47,6 +47,8 @@ Made = TypeVar("Made", covariant=True)
 
 # Number of blends at which the extent of moved shapes is measured for the common grid.
 _SAMPLED_BLENDS = 5
+# The moved shapes of these blends are kept with at most this many bytes of vertices.
+_MOST_SAMPLED = 1 << 25
 # Parts of inputs that are at most so many times as wide at rest as the thinnest that the grid shows may become too thin
 # for it: a large ear that becomes a small one.
 _AT_REST = 2.0
@@ -71,6 +73,8 @@ class MovingProblem:
         The triangles that travel together.
     kept : BlendStore of MovedBlend, or None
         Where moved blends are kept, to compute them again under a demand.
+    sampled : BlendStore of list of MovedShape, or None
+        Where the moved inputs of some blends are kept.
     spans : sequence of ThinSpans
         Across the parts of every input that the grid may not show; empty if blends carry no detail, which makes
         thickened parts as thin as they are.
@@ -82,6 +86,7 @@ class MovingProblem:
     names: tuple[str, ...]
     matching: Matching
     kept: BlendStore[MovedBlend] | None = field(default=None, kw_only=True)
+    sampled: BlendStore[list[MovedShape | None]] | None = field(default=None, kw_only=True)
     spans: Sequence[ThinSpans] = field(default=(), kw_only=True)
 
     @classmethod
@@ -119,13 +124,19 @@ class MovingProblem:
         if still.settings.on_floor:
             motion = standing_motion(motion, len(names), pairs_of(blends) if pairs is None else pairs)
 
-        def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
-            return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
+        sampled: BlendStore[list[MovedShape | None]] = BlendStore(_MOST_SAMPLED)
+
+        def bounds(weights: Sequence[float]) -> list[NDArray[np.float64]]:
+            moved = motion.moved(weights)
+            active = [shape for shape in moved if shape is not None]
+            sampled.keep(Blend(tuple(weights)), moved, sum(shape.vertices.nbytes for shape in active))
+            return [shape.mesh.bounds for shape in active]
 
         room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
         thickens = still.settings.thin_parts and still.settings.carried_detail > 0
         spans = _thin_spans(motion, len(names), still.lattice.spacing) if thickens else ()
-        return cls(still, motion, still.lattice.holding(room), tuple(names), matching, spans=spans)
+        lattice = still.lattice.holding(room)
+        return cls(still, motion, lattice, tuple(names), matching, sampled=sampled, spans=spans)
 
     @property
     def solves_singly(self) -> bool:
@@ -198,7 +209,7 @@ class MovingProblem:
         known = None if self.kept is None else self.kept.get(blend)
         if known is not None:
             return replace(known, problem=self._demanded(known.problem.transport, known.active))
-        moved = self.motion.moved(blend.weights)
+        moved = self._moved(blend.weights)
         control.check()
         active = np.flatnonzero(blend.weights)
         shapes = [moved[i] for i in active]
@@ -215,6 +226,14 @@ class MovingProblem:
         if self.kept is not None:
             self.kept.keep(blend, found, found.bytes)
         return found
+
+    def _moved(self, weights: tuple[float, ...]) -> list[MovedShape | None]:
+        """Return the moved inputs of a blend."""
+        known = None if self.sampled is None else self.sampled.get(Blend(weights))
+        if known is None:
+            return self.motion.moved(weights)
+        # What is found out about copies is not kept.
+        return [None if shape is None else replace(shape) for shape in known]
 
     def _middles(
         self, shapes: Sequence[MovedShape], active: NDArray[np.int64], lattice: Lattice
