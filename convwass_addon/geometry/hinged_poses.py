@@ -13,10 +13,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve
+from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import coo_array
 
 from .label_sums import label_sums
@@ -52,6 +53,8 @@ class HingedPose:
         Non-rigid remainder of the line of every pair, in the rotating frame.
     weights : (p,) float64
         Weight of every pair.
+    pairs : (p, 2) int64
+        The samples of every pair.
     """
 
     points: NDArray[np.float64]
@@ -59,6 +62,16 @@ class HingedPose:
     joints: NDArray[np.float64]
     stretches: NDArray[np.float64]
     weights: NDArray[np.float64]
+    pairs: NDArray[np.int64]
+
+    def __getstate__(self) -> dict[str, object]:
+        # The system is not pickled, because it is quick to rebuild.
+        return {name: value for name, value in vars(self).items() if name != "system"}
+
+    @cached_property
+    def system(self) -> _LineSystem:
+        """The system for points between the shape at rest and this pose alone, whatever its share."""
+        return _LineSystem.of(self.pairs, self.weights, len(self.points))
 
     @classmethod
     def of(
@@ -102,7 +115,7 @@ class HingedPose:
         reach = lengths.max(initial=0.0)
         falloff = np.square(1.0 - lengths / reach) * reach / lengths
         weights = both * falloff / np.square(1.0 + strain / _STRAIN**2)
-        return cls(end, own, offsets, stretches, weights)
+        return cls(end, own, offsets, stretches, weights, samples.pairs)
 
 
 def _rigidity(
@@ -151,7 +164,6 @@ def hinged_points(
     start = rest[samples.seeds]
     total = sum(shares)
     parts = [share / total if total > 0 else 1.0 / len(shares) for share in shares]
-    weights = sum(part * pose.weights for part, pose in zip(parts, poses, strict=True))
     joints = stretch * sum(part * pose.joints for part, pose in zip(parts, poses, strict=True))
     turns = sum(share * pose.turns for share, pose in zip(shares, poses, strict=True))
     stretches = stretch * sum(share * pose.stretches for share, pose in zip(shares, poses, strict=True))
@@ -162,7 +174,8 @@ def hinged_points(
     lines = scale * np.einsum("pij,pj->pi", rotations.take(one, axis=0), half - joints)
     lines += scale * np.einsum("pij,pj->pi", rotations.take(other, axis=0), half + joints)
     lines += np.einsum("pij,pj->pi", turn_matrices(mean_turns(turns, samples.pairs)), stretches)
-    points = _solved_points(samples, lines, weights, straight)
+    # Without lines, samples are only held where they are.
+    points = _system(poses, parts).solved(lines, straight) if len(lines) else straight
     size = float(np.sqrt(samples.areas.sum()))
     points = points + _median(straight - points, samples.areas, _MEDIAN_WIDTH * size)
     shifts = points - scale * np.einsum("sij,sj->si", rotations, start)
@@ -170,23 +183,52 @@ def hinged_points(
     return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), rest) + blended[:, 9:]
 
 
-def _solved_points(
-    samples: SurfaceSamples, lines: NDArray[np.float64], weights: NDArray[np.float64], straight: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return points, (s, 3), whose differences match the lines, by weighted least squares."""
-    if not len(samples.pairs):
-        # They are only held where they are.
-        return straight
-    one, other = samples.pairs.T
-    count = len(samples.seeds)
-    links = coo_array((weights, (one, other)), shape=(count, count)).toarray()
-    links = links + links.T
-    sums = links.sum(axis=1)
-    hold = _HOLD * max(float(sums.mean()), np.finfo(float).tiny)
-    right = hold * straight
-    pulls = weights[:, None] * lines
-    right += label_sums(one, pulls, count) - label_sums(other, pulls, count)
-    return solve(np.diag(sums + hold) - links, right, assume_a="pos")
+def _system(poses: Sequence[HingedPose], parts: Sequence[float]) -> _LineSystem:
+    """Return the system for points between poses with these weights, of sum 1."""
+    if len(poses) == 1:
+        return poses[0].system
+    weights = sum(part * pose.weights for part, pose in zip(parts, poses, strict=True))
+    return _LineSystem.of(poses[0].pairs, weights, len(poses[0].points))
+
+
+@dataclass(frozen=True)
+class _LineSystem:
+    """A linear system for points whose differences match lines, by weighted least squares.
+
+    Attributes
+    ----------
+    pairs : (p, 2) int64
+        The points that each line connects.
+    weights : (p,) float64
+        Weight of every line.
+    hold : float
+        Weight of the positions where points are held.
+    factor : (s, s) float64
+        The Cholesky factor of the matrix, in its lower half.
+    """
+
+    pairs: NDArray[np.int64]
+    weights: NDArray[np.float64]
+    hold: float
+    factor: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, pairs: NDArray[np.int64], weights: NDArray[np.float64], count: int) -> _LineSystem:
+        """Factorize the system for `count` points."""
+        one, other = pairs.T
+        links = coo_array((weights, (one, other)), shape=(count, count)).toarray()
+        links = links + links.T
+        sums = links.sum(axis=1)
+        hold = _HOLD * max(float(sums.mean()), np.finfo(float).tiny)
+        return cls(pairs, weights, hold, cho_factor(np.diag(sums + hold) - links, lower=True)[0])
+
+    def solved(self, lines: NDArray[np.float64], straight: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the points, (s, 3), with given lines, (p, 3), held at given positions, (s, 3)."""
+        count, pulls = len(straight), self.weights[:, None] * lines
+        one, other = self.pairs.T
+        right = self.hold * straight
+        right += label_sums(one, pulls, count) - label_sums(other, pulls, count)
+        return cho_solve((self.factor, True), right)
 
 
 def _median(offsets: NDArray[np.float64], areas: NDArray[np.float64], width: float) -> NDArray[np.float64]:

@@ -75,3 +75,12 @@ def test_samples_see_each_other_only_through_the_solid():
     assert len(samples.pairs) > 5 * len(samples.seeds)
     np.testing.assert_allclose(np.asarray(samples.blend.sum(axis=1)).ravel(), 1.0)
     assert samples.areas.sum() == pytest.approx(bent.area)
+
+
+def test_a_pose_counts_as_much_as_two_equal_ones_of_half_its_share(hinge):
+    mesh, small = hinge
+    moved = np.where(small[:, None], swung(mesh.vertices, 1.0), mesh.vertices)
+    samples = SurfaceSamples.of(mesh, 120, 0.4)
+    pose = HingedPose.of(samples, mesh.vertices, moved, swings(small, 1.0))
+    one, both = (hinged_points(samples, mesh.vertices, [pose] * n, [0.6 / n] * n) for n in (1, 2))
+    np.testing.assert_allclose(one, both, atol=1e-6)
