@@ -85,7 +85,9 @@ def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.ty
     return new_node(tree, "GeometryNodeSampleNearest", inputs, domain="POINT").outputs["Index"]
 
 
-def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str = "ORIGINAL") -> bpy.types.Node:
+def object_info(
+    tree: bpy.types.NodeTree, obj: bpy.types.Object | bpy.types.NodeSocket, *, space: str = "ORIGINAL"
+) -> bpy.types.Node:
     """Return an Object Info node.
 
     Hidden objects are read, too.
@@ -94,8 +96,8 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
     ----------
     tree : bpy.types.NodeTree
         Node group of the new node.
-    obj : bpy.types.Object
-        The other object.
+    obj : bpy.types.Object or bpy.types.NodeSocket
+        The other object, or a socket that provides it.
     space : "ORIGINAL" or "RELATIVE"
         Geometry in its local space and location in the world, or both relative to the modified object.
     """

@@ -10,7 +10,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.keyframes import is_tweaked
 from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.pad_velocity import handle_velocity, key_handle_velocity
+from ..bridge.morphs.pad_inputs import handle_velocity
+from ..bridge.morphs.pad_velocity import key_handle_velocity
 from ..bridge.morphs.player import build_player, require_path
 from ..bridge.morphs.player_inputs import is_player, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
@@ -187,7 +188,7 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
     def poll(cls, context):
         if not super().poll(context):
             return False
-        velocity = handle_velocity(active_morph(context))
+        velocity = handle_velocity(active_morph(context), context.object)
         if velocity is None:
             cls.poll_message_set("Select a pad that interpolates between blends")
             return False
@@ -195,7 +196,7 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
 
     @reporting_errors
     def execute(self, context):
-        key_handle_velocity(active_morph(context))
+        key_handle_velocity(handle_velocity(active_morph(context), context.object))
         return {"FINISHED"}
 
 

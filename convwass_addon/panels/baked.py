@@ -10,7 +10,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
-from ..bridge.morphs.pad_velocity import handle_velocity
+from ..bridge.morphs.pad_inputs import handle_velocities
 from ..bridge.morphs.player_inputs import detail, interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
@@ -71,7 +71,7 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             if switch is not None:
                 row.operator("convwass.update_player_speed", text="", icon="MOD_TIME")
             layout.operator("convwass.bake_player", icon="RENDER_ANIMATION")
-        if handle_velocity(morph) is not None:
+        if handle_velocities(morph):
             layout.operator("convwass.update_pad_velocity", icon="MOD_TIME")
         frames = frame_objects(morph)
         # A volume or cache has replaced the frames, or one object shows all of them: no other output can be made.

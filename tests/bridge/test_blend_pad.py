@@ -18,10 +18,11 @@ from convwass_addon.applications.morphs.layouts import grid_blends, path_blends,
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.blend_pad import BlendPad, make_blend_pad
 from convwass_addon.bridge.morphs.frame_colors import COLOR
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, shows_frames, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects, hidden_frames
+from convwass_addon.bridge.object_names import without_number
 from convwass_addon.errors import InputError
 
 SHEETS = {"grid": grid_blends(4, 5), "triangle": triangle_blends(3, 4)}
@@ -280,3 +281,43 @@ def test_it_works_in_a_blender_without_the_extension(bake, tmp_path):
     assert session.returncode == 0, session.stdout + session.stderr
     expected = [SHEETS["grid"][place].weights for place in (0, 7, 24)]
     np.testing.assert_allclose(json.loads(answer.read_text()), expected, atol=1e-6)
+
+
+def duplicates_of(objects, linked):
+    """Duplicate some objects, as Shift+D and Alt+D do; return the duplicates in the order of the objects."""
+    bpy.context.view_layer.update()
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in objects)
+    bpy.ops.object.duplicate(linked=linked)
+    made = {without_number(new.name): new for new in bpy.context.selected_objects}
+    return [made[without_number(obj.name)] for obj in objects]
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_duplicated_pad_follows_its_own_handle(bake, linked):
+    made = make_blend_pad(bake(SHEETS["grid"]))
+    other = BlendPad(*duplicates_of([made.pad, made.handle, made.result], linked))
+    assert other.handle.parent == other.pad
+    place_on(other, 0, 1)
+    other.pad.location.x += 50
+    np.testing.assert_allclose(seen_weights(other), [1, 0, 0, 0])
+    np.testing.assert_allclose(seen_weights(made), [0.25] * 4)
+
+
+@pytest.mark.parametrize("linked", [False, True])
+def test_duplicates_of_the_pad_alone_change_nothing(bake, linked):
+    """The blend is that of the first pad, and follows that pad's handle alone."""
+    made = make_blend_pad(bake(SHEETS["grid"]))
+    pad, handle = duplicates_of([made.pad, made.handle], linked)
+    (bare,) = duplicates_of([made.pad], linked)
+    handle.location = made.pad.data.vertices[0].co
+    pad.location.x = bare.location.x = 50
+    np.testing.assert_allclose(seen_weights(made), [0.25] * 4)
+
+
+def test_a_duplicated_blend_follows_the_same_handle(bake):
+    made = make_blend_pad(bake(SHEETS["grid"]))
+    (result,) = duplicates_of([made.result], False)
+    other = BlendPad(made.pad, made.handle, result)
+    place_on(made, 0, 1)
+    np.testing.assert_allclose(seen_weights(other), [1, 0, 0, 0])

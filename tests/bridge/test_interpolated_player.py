@@ -18,6 +18,7 @@ from convwass_addon.applications.morphs.layouts import path_blends, triangle_ble
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.appearance import write_velocity
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.pad_inputs import handle_velocity
 from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
 from convwass_addon.bridge.morphs.player import make_player, refresh_player
 from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, morph_value, speed
@@ -333,7 +334,7 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
     collection = bake(make_object, [solved(row) for row in np.eye(3)], triangle_blends(3, 3), solved)
     pad = make_blend_pad(collection, between="INTERPOLATED")
     with pytest.raises(InputError, match="no keyframes"):
-        key_handle_velocity(collection)
+        key_handle_velocity(handle_velocity(collection, pad.result))
     points = np.array([vertex.co for vertex in pad.pad.data.vertices])
     rows = [obj["convwass_weights"] for obj in frame_objects(collection)]
     corners = points[[next(i for i, own in enumerate(rows) if own[shape] == 1.0) for shape in range(3)]]
@@ -344,7 +345,7 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
     for curve in curves_of(pad.handle):
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
-    key_handle_velocity(collection)
+    key_handle_velocity(handle_velocity(collection, pad.result))
     bare_scene.frame_set(13)
     mesh = shown(pad.result)
     pace = radii @ (ends[1] - ends[0]) / 24 * bare_scene.render.fps
@@ -361,7 +362,7 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
     bare_scene.frame_end = 80
     for curve in curves_of(pad.handle):
         curve.modifiers.new("CYCLES").mode_after = "MIRROR"
-    key_handle_velocity(collection)
+    key_handle_velocity(handle_velocity(collection, pad.result))
     for frame, direction in ((37, -1.0), (61, 1.0)):
         bare_scene.frame_set(frame)
         off = np.linalg.norm(attribute(pad.result, "velocity", 3) - direction * expected, axis=1)

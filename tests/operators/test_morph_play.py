@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of, interpolate
-from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
+from convwass_addon.bridge.morphs.pad_inputs import handle_velocities, handle_velocity
 from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
@@ -230,12 +230,29 @@ def test_a_handle_is_blurred_however_it_moves(handle, move):
     move(handle)
     bpy.context.scene.frame_end = 12
     assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
-    velocity, speeds = handle_velocity(the_morph()), []
+    velocity, speeds = handle_velocity(the_morph(), None), []
     for frame in (1, 6, 12):
         bpy.context.scene.frame_set(frame)
         speeds.append(list(velocity.get()))
     expected = bpy.context.scene.render.fps / 10 * np.array([0.5, 1.0, 0.0])
     assert np.allclose(speeds, np.outer(expected, (1, 0, 0)), atol=1e-3)
+
+
+def test_the_handle_of_a_duplicated_pad_is_blurred(handle):
+    (velocity,) = handle_velocities(the_morph())
+    pad, blend = handle.parent, velocity.modifier.id_data
+    bpy.context.view_layer.update()
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in (pad, handle, blend))
+    bpy.ops.object.duplicate(linked=True)
+    other = next(obj for obj in bpy.context.selected_objects if obj.type == "EMPTY")
+    moved_by_keys(other)
+    bpy.context.view_layer.objects.active = other
+    assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+    first, second = (handle_velocity(the_morph(), obj) for obj in (handle, other))
+    bpy.context.scene.frame_set(6)
+    assert not any(first.get())
+    assert second.get()[0] == pytest.approx(bpy.context.scene.render.fps / 10, abs=1e-3)
 
 
 def test_a_pad_without_its_handle_says_so(handle):

@@ -8,6 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs.mixed_frames import DETAIL
+from convwass_addon.bridge.morphs.pad_inputs import HANDLE, PAD, pad_part
 from convwass_addon.bridge.morphs.rebuilt_pad import rebuild_pad
 from convwass_addon.bridge.morphs.stand_ins import SHOWS_KEY, frames_modifier, shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs
@@ -121,6 +122,22 @@ def test_the_strips_of_a_handle_and_duplicates_remain(empty_scene):
     # Both handles share the action of the strip.
     assert handle.location[:] == second.location[:] == pytest.approx(handle.parent.data.vertices[1].co)
     assert width(copy) == pytest.approx(2.0 * before, rel=0.2)
+
+
+@pytest.mark.parametrize("between", ["NEAREST", "INTERPOLATED"])
+def test_a_duplicated_pad_keeps_its_own_handle(empty_scene, between):
+    handle = triangle_pad(between)
+    before = [handle.parent, handle, blend_of(handle)]
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj in before)
+    bpy.ops.object.duplicate()
+    pads = [before, sorted(bpy.context.selected_objects, key=lambda obj: (obj.type == "EMPTY", len(obj.modifiers)))]
+    pads[1] = [pads[1][0], pads[1][2], pads[1][1]]
+    bpy.context.view_layer.objects.active = handle
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    for pad, own, blend in pads:
+        modifier = frames_modifier(blend)
+        assert (pad_part(modifier, PAD), pad_part(modifier, HANDLE)) == (pad, own)
 
 
 def test_a_blend_without_its_modifier_gives_way_to_a_new_one(empty_scene):

@@ -18,6 +18,7 @@ from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import vectors_of
+from ..node_inputs import node_input
 from ..node_math import joined, math_node, new_node, pick, switch
 from ..node_trees import GroupInput, add_inputs
 from ..pad_handles import pad_handle, pad_labels, pad_lines
@@ -26,7 +27,7 @@ from ..sequence import MODIFIER, frame_group, nearest, object_info, output, tabl
 from .frame_colors import colored, made_for, seen_materials
 from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
-from .pad_velocity import HANDLE_VELOCITY
+from .pad_inputs import HANDLE, HANDLE_VELOCITY, PAD
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
 from .stored import frame_objects, frame_weights, is_solid, stored_morph
@@ -274,20 +275,18 @@ def _result(
 ) -> bpy.types.Object:
     """Create the object that shows the blend at the Empty, with its foot at its origin."""
     tree = frame_group("Blend")
-    drawn = object_info(tree, pad)
-    place = _place_on(tree, drawn, handle)
+    _add_inputs(tree, fields is not None)
+    inputs = tree.nodes.new("NodeGroupInput").outputs
+    drawn = object_info(tree, inputs[PAD])
+    place = _place_on(tree, drawn, object_info(tree, inputs[HANDLE]))
     index = nearest(tree, drawn.outputs["Geometry"], place)
     blends = FrameSwitch.of("Blend", sheet.frames)
     blend = blends.at(tree, index)
     shifts = [tuple(-foot) for foot in sheet.weights @ sheet.feet]
-    inputs = {"Geometry": blend["Geometry"], "Translation": pick(tree, "VECTOR", index, shifts)}
-    moved = new_node(tree, "GeometryNodeTransform", inputs)
+    moving = {"Geometry": blend["Geometry"], "Translation": pick(tree, "VECTOR", index, shifts)}
+    moved = new_node(tree, "GeometryNodeTransform", moving)
     shown, color = moved.outputs["Geometry"], blend["Color"]
     if fields is not None:
-        switches = (GroupInput(name, "Bool", True, "") for name in (INTERPOLATE, DETAIL))
-        velocity = "Velocity of the handle in local space of the pad, for motion blur"
-        add_inputs(tree, (*switches, GroupInput(HANDLE_VELOCITY, "Vector", None, velocity)))
-        inputs = tree.nodes.new("NodeGroupInput").outputs
         handle_velocity = inputs[HANDLE_VELOCITY]
         mixed = mixed_sheet(tree, fields, blends, sheet.lattice, place, inputs[DETAIL], handle_velocity)
         interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
@@ -296,11 +295,25 @@ def _result(
     output(tree, colored(tree, shown, color, sheet.frames), 1)
     shown = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
     take_render_settings(shown, sheet.frames)
+    for name, part in ((PAD, pad), (HANDLE, handle)):
+        node_input(shown.modifiers[MODIFIER], name).set(part)
     return shown
 
 
-def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Object) -> bpy.types.NodeSocket:
-    """Return the position of the Empty, given as a node, in local space of the pad."""
+def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
+    """Add the inputs of the modifier to the node group."""
+    switches = (GroupInput(name, "Bool", True, "") for name in (INTERPOLATE, DETAIL))
+    velocity = "Velocity of the handle in local space of the pad, for motion blur"
+    mixing = (*switches, GroupInput(HANDLE_VELOCITY, "Vector", None, velocity))
+    parts = (
+        GroupInput(PAD, "Object", None, "Lattice with a vertex per blend"),
+        GroupInput(HANDLE, "Object", None, "Its place on the pad selects the blend"),
+    )
+    add_inputs(tree, (*(mixing if interpolates else ()), *parts))
+
+
+def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Node) -> bpy.types.NodeSocket:
+    """Return the position of the Empty in local space of the pad, both given as nodes."""
     inverse = new_node(tree, "FunctionNodeInvertMatrix", {"Matrix": pad.outputs["Transform"]}).outputs["Matrix"]
-    inputs = {"Vector": object_info(tree, handle).outputs["Location"], "Transform": inverse}
+    inputs = {"Vector": handle.outputs["Location"], "Transform": inverse}
     return new_node(tree, "FunctionNodeTransformPoint", inputs).outputs["Vector"]

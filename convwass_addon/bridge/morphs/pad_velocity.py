@@ -11,44 +11,31 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..animation_time import returning, show_time, times_per_second
-from ..keyframes import changing_span, curves_of, scene_span, set_keys
-from ..node_inputs import NodeInput, node_input
+from ..keyframes import changing_span, curves_of, own_action, scene_span, set_keys
+from ..node_inputs import NodeInput
 from ..visibility import hidden_modifiers, update_places
-from .stand_ins import frames_modifier, stand_ins
-from .stored import WEIGHTS_KEY
-
-HANDLE_VELOCITY = "Handle Velocity"
-"""Input of the modifier: velocity of the handle in local space of the pad, per second."""
+from .pad_inputs import HANDLE, PAD, pad_part
 
 
-def handle_velocity(collection: bpy.types.Collection) -> NodeInput | None:
-    """Return the velocity of the handle of a morph's pad; None without a pad that interpolates."""
-    for obj in stand_ins(collection):
-        modifier = frames_modifier(obj)
-        if modifier is not None:
-            try:
-                return node_input(modifier, HANDLE_VELOCITY)
-            except InputError:
-                continue
-    return None
-
-
-def key_handle_velocity(collection: bpy.types.Collection) -> None:
+def key_handle_velocity(target: NodeInput) -> None:
     """Key the velocity of a pad's handle from its movement, by keys of its location or by anything else.
 
     The velocity at a frame is the difference of the locations half a frame before and after it.
 
+    Parameters
+    ----------
+    target : NodeInput
+        One of `handle_velocities`.
+
     Raises
     ------
     InputError
-        There is no pad that interpolates, its handle does not exist, or it does not move.
+        The handle does not exist, or it does not move.
     """
-    target = handle_velocity(collection)
-    if target is None:
-        raise InputError("{name} has no pad that interpolates.", name=collection.name)
-    pad, handle = _parts_read_by(target)
+    pad, handle = (pad_part(target.modifier, name) for name in (PAD, HANDLE))
     if pad is None or handle is None:
-        raise InputError("The pad of {name} has lost its handle; bake it again.", name=collection.name)
+        name = target.modifier.id_data.name
+        raise InputError("The pad of {name} has lost its handle; bake it again.", name=name)
     scene = bpy.context.scene
     curves = [curve for curve in curves_of(handle, "location") if len(curve.keyframe_points)]
     is_keyed = _moves_by_keys_alone(handle, pad)
@@ -59,17 +46,8 @@ def key_handle_velocity(collection: bpy.types.Collection) -> None:
     velocities = np.diff(places, axis=0) * times_per_second(scene)
     if not curves and not velocities.any():
         raise InputError("The location of {name} has no keyframes; animate it first.", name=handle.name)
+    own_action(target.modifier.id_data)
     _write(target, frames, velocities)
-
-
-def _parts_read_by(target: NodeInput) -> tuple[bpy.types.Object | None, bpy.types.Object | None]:
-    """Return the pad and the handle from which the nodes of a modifier take the blend; None for those that are gone."""
-    infos = [node for node in target.modifier.node_group.nodes if node.bl_idname == "GeometryNodeObjectInfo"]
-    read = [obj for node in infos if (obj := node.inputs["Object"].default_value) is not None]
-    handle = next((obj for obj in read if obj.type == "EMPTY"), None)
-    # The pad is the outline, and tables of fields are points.
-    outlines = (obj for obj in read if obj.type == "MESH" and len(obj.data.edges) and WEIGHTS_KEY not in obj)
-    return next(outlines, None), handle
 
 
 def _moves_by_keys_alone(handle: bpy.types.Object, pad: bpy.types.Object) -> bool:

@@ -15,7 +15,8 @@ from mathutils import Matrix, Vector
 from ..keyframes import curves_of, own_action
 from ..unused_data import remove_if_unused
 from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
-from .pad_velocity import handle_velocity, key_handle_velocity
+from .pad_inputs import HANDLE, PAD, handle_velocities, pad_input, pad_part
+from .pad_velocity import key_handle_velocity
 from .player_inputs import interpolation
 from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, remove_unused, stand_ins
 from .stored import WEIGHTS_KEY
@@ -51,9 +52,9 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     _merge(parents, [new for new in _pad_collections(collection) if new not in parents])
     remove_unused(collection)
     drop_numbers(block for block in adopted(collection) if block.session_uid not in known)
-    handle = _parts(stand_ins(collection))["EMPTY"][0]
-    if handle_velocity(collection) is not None and curves_of(handle, "location"):
-        key_handle_velocity(collection)
+    for velocity in handle_velocities(collection):
+        if curves_of(pad_part(velocity.modifier, HANDLE), "location"):
+            key_handle_velocity(velocity)
 
 
 def _pad_collections(morph: bpy.types.Collection) -> list[bpy.types.Collection]:
@@ -135,7 +136,16 @@ def _give(obj: bpy.types.Object, new: bpy.types.Object) -> None:
     else:
         obj.data = new.data
         if (modifier := frames_modifier(new)) is not None:
-            frames_modifier(obj).node_group = modifier.node_group
+            _give_nodes(frames_modifier(obj), modifier)
+
+
+def _give_nodes(modifier: bpy.types.NodesModifier, new: bpy.types.NodesModifier) -> None:
+    """Let a modifier use the nodes of a new one, and the lattice and the handle of that if its own are missing."""
+    modifier.node_group = new.node_group
+    for name in (PAD, HANDLE):
+        own = pad_input(modifier, name)
+        if own is not None and own.get() is None:
+            own.set(pad_part(new, name))
 
 
 def _move_along(obj: bpy.types.Object, new: bpy.types.Object) -> None:
