@@ -14,6 +14,14 @@ from numpy.typing import NDArray
 OUTLINES = {2: [(0, 1)], 3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 3), (3, 2), (2, 0)]}
 """Edges around a pad by the number of its corners; those of a square are in rows."""
 
+PLACES = {"x": "X on Pad", "z": "Z on Pad"}
+"""Custom properties of an Empty that drives something: its place in local space of the pad."""
+
+# Rows of a world matrix with the axes X and Z.
+_ROWS = (0, 2)
+# Where the handle h is along an axis a of a pad that is at p.
+_ALONG = "((h0 - p0) * a0 + (h1 - p1) * a1 + (h2 - p2) * a2) / (a0 * a0 + a1 * a1 + a2 * a2)"
+
 
 def pad_lines(name: str, points: NDArray[np.float64], edges: Sequence[Sequence[int]]) -> bpy.types.Object:
     """Draw the lines of a pad, edges between points, (n, 3); the object is not in a collection yet."""
@@ -57,14 +65,32 @@ def pad_handle(name: str, size: float, points: NDArray[np.float64], pad: bpy.typ
 
 
 def drive_by_handle(driver: bpy.types.Driver, handle: bpy.types.Object, expression: str) -> None:
-    """Let the place of the Empty drive a property, by an expression of x and z in local space of the pad."""
-    for letter in "xz":
+    """Let the place of the Empty drive a property, by an expression of x and z in local space of the pad.
+
+    The place is where the Empty is seen, whatever its parent, as in the nodes of blend pads.
+    """
+    if any(name not in handle for name in PLACES.values()):
+        _drive_places(handle, handle.parent)
+    for letter, name in PLACES.items():
         variable = driver.variables.new()
-        variable.name, variable.type = letter, "TRANSFORMS"
+        variable.name = letter
         target = variable.targets[0]
-        target.id, target.transform_type = handle, f"LOC_{letter.upper()}"
-        target.transform_space = "LOCAL_SPACE"
+        target.id, target.data_path = handle, f'["{name}"]'
     driver.expression = expression
+
+
+def _drive_places(handle: bpy.types.Object, pad: bpy.types.Object) -> None:
+    """Let the places of an Empty and a pad, which is not sheared, drive the properties `PLACES` of the Empty."""
+    for name, row in zip(PLACES.values(), _ROWS, strict=True):
+        handle[name] = 0.0
+        driver = handle.driver_add(f'["{name}"]').driver
+        for letter, obj, own in (("h", handle, 3), ("p", pad, 3), ("a", pad, row)):
+            for axis in range(3):
+                variable = driver.variables.new()
+                variable.name = f"{letter}{axis}"
+                target = variable.targets[0]
+                target.id, target.data_path = obj, f"matrix_world[{own}][{axis}]"
+        driver.expression = _ALONG
 
 
 def pad_labels(

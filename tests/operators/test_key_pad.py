@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.keyframes import curves_of
@@ -187,3 +188,40 @@ def test_sliders_that_a_new_bake_lacks_leave_no_keyframes():
     new, _ = cube_with_targets(2, "BC")
     replace_keys(obj, [new])
     assert {curve.data_path for curve in curves_of(obj)} == {'["B"]', '["C"]'}
+
+
+def test_the_handle_is_read_where_it_is_seen_on_the_pad():
+    """It moves with its pad, and may hang at something else."""
+    obj, rest = cube_with_targets(3)
+    bpy.ops.convwass.make_key_pad()
+    handle, pad = bpy.context.object, bpy.context.object.parent
+    places = corners(pad, 3)
+    handle.location = places[1]
+    pad.location, pad.rotation_euler, pad.scale = (5, 1, -3), (0.3, -0.6, 2.0), (2, 2, 2)
+    np.testing.assert_allclose(world(obj), rest + SHIFTS[0], atol=1e-5)
+    bpy.context.view_layer.update()
+    guide = bpy.data.objects.new("Guide", None)
+    bpy.context.scene.collection.objects.link(guide)
+    handle.constraints.clear()
+    handle.parent, handle.location = guide, (0, 0, 0)
+    for place, shift in zip(places, [np.zeros(3), *SHIFTS], strict=True):
+        guide.location = pad.matrix_world @ Vector(place)
+        np.testing.assert_allclose(world(obj), rest + shift, atol=1e-5)
+
+
+def test_a_duplicated_mesh_follows_its_own_handle():
+    obj, rest = cube_with_targets(2)
+    bpy.ops.convwass.make_key_pad()
+    handle = bpy.context.object
+    handle.location = corners(handle.parent, 2)[1]
+    bpy.context.view_layer.update()
+    for own in bpy.context.view_layer.objects:
+        own.select_set(own in (obj, handle, handle.parent))
+    bpy.ops.object.duplicate()
+    made = bpy.context.selected_objects
+    other = next(own for own in made if own.type == "EMPTY")
+    copy = next(own for own in made if own.type == "MESH" and own.data.shape_keys)
+    assert other.parent in made
+    other.location = corners(other.parent, 2)[2]
+    np.testing.assert_allclose(world(obj), rest + SHIFTS[0], atol=1e-5)
+    np.testing.assert_allclose(world(copy), rest + SHIFTS[1], atol=1e-5)
