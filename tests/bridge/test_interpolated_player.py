@@ -21,7 +21,7 @@ from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.pad_inputs import handle_velocity
 from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
 from convwass_addon.bridge.morphs.player import make_player, refresh_player
-from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, morph_value, speed
+from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
@@ -243,6 +243,21 @@ def test_all_that_was_made_is_removed_again(moving, inventory):
     make_player(moving, between="INTERPOLATED")
     remove_stand_ins(moving)
     assert inventory() == before
+
+
+@pytest.mark.parametrize("kind", ["Object", "Collection"])
+def test_an_appended_player_is_seen_alone(moving, tmp_path, kind):
+    """What its nodes read remains hidden; Blender shows appended objects that are in no collection."""
+    player = still_player(moving)
+    morph_value(player).set(0.3)
+    before = shown(player).vertices
+    name = player.name if kind == "Object" else moving.name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "played.blend"))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.wm.append(directory=str(tmp_path / "played.blend" / kind) + "/", filename=name)
+    (seen,) = [obj for obj in bpy.context.view_layer.objects if obj.visible_get()]
+    assert is_player(seen)
+    np.testing.assert_array_equal(shown(seen).vertices, before)
 
 
 @pytest.mark.usefixtures("player")

@@ -31,7 +31,7 @@ from ..openvdb_module import openvdb_module
 from ..sequence import write_table
 from ..unused_data import removed_on_errors
 from .field_sampler import SampleGrid, field_sampler
-from .stand_ins import adopt
+from .stand_ins import adopt, hide_fields
 from .stored import frame_weights, stored_morph
 from .stored_fields import (
     BAND,
@@ -127,6 +127,7 @@ def store_fields(
     table = _table(name, places, [*own, *columns])
     samples = bpy.data.objects.new(data.name, data)
     fields = StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
+    hide_fields(data.name, [samples, table])
     adopt(collection, fields.blocks)
     return fields
 

@@ -18,6 +18,10 @@ SHOWS_KEY = "convwass_shows"
 """Custom property of everything that shows a morph: the morph's collection."""
 
 
+FIELDS_KEY = "convwass_fields"
+"""Custom property of objects from which only nodes read: the hidden collection in which they are."""
+
+
 def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> None:
     """Mark data-blocks (objects, collections, node groups) that show a morph and are removed with it."""
     for block in blocks:
@@ -25,10 +29,12 @@ def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> N
 
 
 def adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
-    """Return the node groups, the objects and their data that show a morph."""
-    objects = stand_ins(collection)
+    """Return the node groups, the objects, their data and their hidden collections that show a morph."""
+    read = _read_by_nodes(collection)
+    objects = [*stand_ins(collection), *read]
     groups = [group for group in bpy.data.node_groups if group.get(SHOWS_KEY) == collection]
-    return [*groups, *objects, *(obj.data for obj in objects if obj.data)]
+    homes = dict.fromkeys(obj[FIELDS_KEY] for obj in read)
+    return [*groups, *objects, *(obj.data for obj in objects if obj.data), *homes]
 
 
 def drop_numbers(blocks: Iterable[bpy.types.ID]) -> None:
@@ -46,7 +52,25 @@ def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the objects that show a morph, but not meshes to which its user has converted them."""
     # Panels ask this, and of many objects few show a morph.
-    return [obj for obj in bpy.data.objects if SHOWS_KEY in obj and shown_morph(obj) == collection]
+    marked = [obj for obj in bpy.data.objects if SHOWS_KEY in obj and FIELDS_KEY not in obj]
+    return [obj for obj in marked if shown_morph(obj) == collection]
+
+
+def hide_fields(name: str, objects: Iterable[bpy.types.Object]) -> None:
+    """Put objects from which only nodes read into a hidden collection that is in no scene.
+
+    Blender shows appended objects that are in no collection.
+    """
+    home = bpy.data.collections.new(name)
+    home.hide_viewport = home.hide_render = True
+    for obj in objects:
+        home.objects.link(obj)
+        obj[FIELDS_KEY] = home
+
+
+def _read_by_nodes(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the objects from which only nodes that show a morph read."""
+    return [obj for obj in bpy.data.objects if FIELDS_KEY in obj and obj.get(SHOWS_KEY) == collection]
 
 
 def frames_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -112,13 +136,13 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
 
 
 def remove_unused(collection: bpy.types.Collection) -> None:
-    """Remove unused node groups and materials that were created to show a morph, and objects that only they use."""
+    """Remove unused node groups and materials that were created to show a morph, and objects that only they read."""
     # Groups use other groups, so nested ones need several passes.
     count = None
     while count != len(groups := [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]):
         count = len(groups)
         _remove_unused_assets(groups)
-    remove_with_data([obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users])
+    _remove_unread(_read_by_nodes(collection))
     _remove_unused_assets([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
 
 
@@ -170,6 +194,14 @@ def _move(objects: Iterable[bpy.types.Object], source: bpy.types.Collection, tar
             source.objects.unlink(obj)
         if obj.name not in target.objects:
             target.objects.link(obj)
+
+
+def _remove_unread(objects: Iterable[bpy.types.Object]) -> None:
+    """Remove objects from which no nodes read any more, and their hidden collections."""
+    unread = [obj for obj in objects if obj.users == len(obj.users_collection)]
+    homes = dict.fromkeys(obj[FIELDS_KEY] for obj in unread)
+    remove_with_data(unread)
+    bpy.data.batch_remove([home for home in homes if not home.objects])
 
 
 def _remove_unused_assets(blocks: Iterable[bpy.types.ID]) -> None:
