@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
+from ..progress import UNINTERRUPTED, Control
 from .occupancy import occupancy
 
 LEAST_CELLS = 20.0
@@ -21,7 +22,9 @@ LEAST_THICKNESS = 2.0
 _SPACING = 0.35
 
 
-def solid_or_shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> NDArray[np.float32]:
+def solid_or_shell_occupancy(
+    corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control = UNINTERRUPTED
+) -> NDArray[np.float32]:
     """Return the occupancy of a solid; of a surface that encloses next to nothing, of a shell around it.
 
     Parameters
@@ -30,8 +33,10 @@ def solid_or_shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int
         Triangles in cells, as for :func:`.occupancy.occupancy`.
     shape : (int, int, int)
         Cells per axis.
+    control : Control
+        Stops the work.
     """
-    filled = occupancy(corners, shape)
+    filled = occupancy(corners, shape, control)
     return filled if filled.sum() >= LEAST_CELLS else shell_occupancy(corners, shape, LEAST_THICKNESS)
 
 

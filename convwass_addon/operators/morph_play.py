@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
@@ -21,8 +23,13 @@ from ..bridge.mouse_progress import progress_at_mouse
 from ..bridge.openvdb_module import openvdb_module
 from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of, values_of, with_properties
+from ..sentence import Sentence
+from .background import BackgroundOperator, is_idle
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import reporting_errors
+
+if TYPE_CHECKING:
+    from ..bridge.morphs.field_sampling import SampledFields
 
 # Settings of a timing that only some styles have.
 _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
@@ -43,7 +50,7 @@ def _fitting_between(operator: bpy.types.Operator, morph: bpy.types.Collection) 
     return operator.between
 
 
-class _OnPlayedMorph(OnActiveMorph):
+class _InObjectMode(OnActiveMorph):
     @classmethod
     def poll(cls, context):
         if context.mode != "OBJECT":
@@ -51,19 +58,48 @@ class _OnPlayedMorph(OnActiveMorph):
             return False
         return super().poll(context)
 
-    @reporting_errors
-    def execute(self, context):
+
+class _ShowingMorph(BackgroundOperator, _InObjectMode):
+    """Base of operators that show the active morph with other objects, and sample the fields of its blends for that."""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and is_idle(cls, context)
+
+    def _begin(self, context):
+        from ..bridge.flat.frames_as_meshes import require_no_drawings
+        from ..bridge.morphs.field_job import FieldJob
+
         morph = active_morph(context)
-        shown = self._change(morph)
-        select_only(context, [] if shown is None else [shown])
+        require_no_drawings(morph)
+        self._check(morph)
+        return FieldJob(morph, _fitting_between(self, morph))
+
+    def _finish(self, context, job):
+        from ..bridge.flat.frames_as_meshes import turn_into_meshes
+
+        morph = job.morph()
+        self._check(morph)
+        turn_into_meshes(morph)
+        select_only(context, [self._shown(morph, job.sampled)])
         return {"FINISHED"}
 
+    def _check(self, morph: bpy.types.Collection) -> None:
+        """Raise InputError if the morph cannot be shown in this way."""
+        raise NotImplementedError
 
-class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
+    def _shown(self, morph: bpy.types.Collection, sampled: SampledFields | None) -> bpy.types.Object:
+        """Create what shows the morph, and return the object to select."""
+        raise NotImplementedError
+
+
+class CONVWASS_OT_make_player(_ShowingMorph, bpy.types.Operator):
     """Show the active morph with one object, whose value Morph can be animated: 0 is the first shape, 1 the second"""
 
     bl_idname = "convwass.make_player"
     bl_label = "Make Player"
+    bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Making the player")
 
     playback: bpy.props.EnumProperty(
         name="Playback",
@@ -85,21 +121,18 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
 
     between: property_of(MorphRequest, "between")
 
-    def _change(self, morph):
-        from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
-
-        require_no_drawings(morph)
+    def _check(self, morph):
         require_path(morph)
-        turn_into_meshes(morph)
-        work = build_player(morph, playback=self.playback, easing=self.easing, between=_fitting_between(self, morph))
-        player = _with_cursor(work)
+
+    def _shown(self, morph, sampled):
+        player = build_player(morph, playback=self.playback, easing=self.easing, sampled=sampled)
         if self.playback == "PING_PONG":
             # The baked velocities are those of the way there.
             key_speed(player)
         return player
 
 
-class _OnPlayer(_OnPlayedMorph):
+class _OnPlayer(_InObjectMode):
     """An operator on the active player."""
 
     changes_morph = False
@@ -233,24 +266,24 @@ class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
+class CONVWASS_OT_make_blend_pad(_ShowingMorph, bpy.types.Operator):
     """Show the active sheet with one object: the blend at an Empty that is dragged or animated on a pad"""
 
     bl_idname = "convwass.make_blend_pad"
     bl_label = "Make Blend Pad"
+    bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Making the blend pad")
 
     between: property_of(MorphRequest, "between")
 
-    def _change(self, morph):
-        from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
-
-        require_no_drawings(morph)
+    def _check(self, morph):
         require_sheet(morph)
-        turn_into_meshes(morph)
-        return _with_cursor(build_blend_pad(morph, between=_fitting_between(self, morph))).handle
+
+    def _shown(self, morph, sampled):
+        return build_blend_pad(morph, sampled=sampled).handle
 
 
-class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
+class CONVWASS_OT_remove_player(_InObjectMode, bpy.types.Operator):
     """Remove the player or blend pad of the active morph, and show its baked objects again"""
 
     bl_idname = "convwass.remove_player"
@@ -267,9 +300,11 @@ class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):
             return False
         return True
 
-    def _change(self, morph):
+    def execute(self, context):
+        morph = active_morph(context)
         remove_stand_ins(morph)
-        return next(iter(frame_objects(morph)), None)
+        select_only(context, frame_objects(morph)[:1])
+        return {"FINISHED"}
 
 
 classes = (

@@ -5,11 +5,14 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from convwass_addon.bridge.morphs.field_sampling import closed_surface, signed_distances
 from convwass_addon.bridge.morphs.stored_fields import BAND
 from convwass_addon.bridge.openvdb_module import openvdb_module
+from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import Control
 from tests.shapes import ball, joined
 
 SHAPE = (30, 26, 26)
@@ -52,3 +55,11 @@ def test_a_shape_with_a_hole_has_an_inside():
     assert len(open_one.faces) < len(whole.faces)
     found = sampled(open_one)
     assert np.abs(found - np.clip(inside(FIRST), -BAND, BAND)).max() <= 0.6
+
+
+def test_a_shape_is_given_up_when_it_is_stopped():
+    whole = ball(RADIUS, FIRST, points=3000)
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        closed_surface(TriangleMesh(whole.vertices, whole.faces[1:]), SHAPE, control)

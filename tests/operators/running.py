@@ -83,6 +83,7 @@ def window_context():
         workspace=SimpleNamespace(status_text_set=lambda text: None, session_uid=0),
         scene=bpy.context.scene,
         object=bpy.context.object,
+        collection=bpy.context.collection,
         view_layer=bpy.context.view_layer,
         preferences=bpy.context.preferences,
         evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,

@@ -12,10 +12,12 @@ import pytest
 
 from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.morphs.pad_inputs import handle_velocities, handle_velocity
-from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value, speed
+from convwass_addon.bridge.morphs.player_inputs import interpolation, is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
+from convwass_addon.operators import morph_play
 from tests.operators.morphs import add, census
+from tests.operators.running import ESCAPE, Pressed, started, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -253,6 +255,45 @@ def test_the_handle_of_a_duplicated_pad_is_blurred(handle):
     bpy.context.scene.frame_set(6)
     assert not any(first.get())
     assert second.get()[0] == pytest.approx(bpy.context.scene.render.fps / 10, abs=1e-3)
+
+
+MAKING = [("path", morph_play.CONVWASS_OT_make_player), ("sheet", morph_play.CONVWASS_OT_make_blend_pad)]
+
+
+@pytest.mark.parametrize(("count", "kind"), [(2, MAKING[0][1]), (3, MAKING[1][1])])
+def test_escape_leaves_the_morph_as_it_was(count, kind):
+    add_shapes(count)
+    # Takes long enough to be stopped.
+    bpy.ops.object.modifier_add(type="SUBSURF")
+    bpy.context.object.modifiers[0].levels = 4
+    layout = "PATH" if count == 2 else "TRIANGLE"
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, frames=3, layout=layout, steps=3)
+    before, context = census(), window_context()
+    pressed = Pressed(kind, between="INTERPOLATED")
+    assert started(pressed, context)
+    assert until(pressed, context, event=ESCAPE) == {"CANCELLED"}
+    assert pressed.reports == [("INFO", "Stopped; nothing was changed")]
+    assert census() == before
+
+
+@pytest.mark.parametrize(("shown", "kind"), MAKING)
+def test_fields_are_sampled_while_the_window_responds(request, shown, kind):
+    request.getfixturevalue(shown)
+    context = window_context()
+    pressed = Pressed(kind, between="INTERPOLATED")
+    assert started(pressed, context)
+    assert until(pressed, context) == {"FINISHED"}
+    assert any(interpolation(obj) for obj in stand_ins(the_morph()) if obj.modifiers)
+
+
+def test_a_morph_that_is_deleted_meanwhile_gets_no_player(path):
+    context, pressed = window_context(), Pressed(morph_play.CONVWASS_OT_make_player, between="INTERPOLATED")
+    assert started(pressed, context)
+    bpy.data.objects.remove(frame_objects(the_morph())[1])
+    before = census()
+    assert until(pressed, context) == {"CANCELLED"}
+    assert "was deleted or changed during the computation" in pressed.reports[0][1]
+    assert census() == before
 
 
 def test_a_pad_without_its_handle_says_so(handle):

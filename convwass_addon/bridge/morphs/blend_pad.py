@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
-from ...progress import Work, drained
+from ...progress import UNINTERRUPTED, drained
 from ..element_values import vectors_of
 from ..node_inputs import node_input
 from ..node_math import joined, math_node, new_node, pick, switch
@@ -32,6 +33,9 @@ from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
 from .stored import frame_objects, frame_weights, is_solid, stored_morph
 from .stored_fields import StoredFields
+
+if TYPE_CHECKING:
+    from .field_sampling import SampledFields
 
 SIDE = 1.5
 """Length of a side of the pad, relative to the largest shape."""
@@ -103,11 +107,13 @@ class _Sheet:
 
 
 def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> BlendPad:
-    """Run :func:`build_blend_pad` to its end."""
-    return drained(build_blend_pad(collection, between=between))
+    """Sample fields if the pad is to interpolate `between` blends, and run :func:`build_blend_pad`."""
+    require_sheet(collection)
+    interpolated = between == "INTERPOLATED" and is_solid(collection)
+    return build_blend_pad(collection, sampled=_sampled(collection) if interpolated else None)
 
 
-def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[BlendPad]:
+def build_blend_pad(collection: bpy.types.Collection, *, sampled: SampledFields | None) -> BlendPad:
     """Create a pad from a sheet of four or three shapes, and hide the sheet's own objects.
 
     The blend at the Empty is shown at the position of the first shape; the pad is to its left, upright like the sheet.
@@ -117,14 +123,9 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[B
     ----------
     collection : bpy.types.Collection
         A finished sheet in the layout grid or triangle.
-    between : "NEAREST" or "INTERPOLATED"
-        What to show between blends: the nearest one, or a mixture of the three around the Empty, for which the file
-        stores fields. Flat shapes always show the nearest one.
-
-    Yields
-    ------
-    Progress
-        Yielded after storing the field of each blend.
+    sampled : SampledFields or None
+        Fields of the blends, with which the pad mixes the three around the Empty; without them, and for flat shapes,
+        it shows the nearest one.
 
     Returns
     -------
@@ -137,8 +138,7 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[B
     """
     require_none(collection)
     sheet = _read_sheet(collection)
-    interpolated = between == "INTERPOLATED" and is_solid(collection)
-    fields = (yield from _stored(collection, sheet)) if interpolated else None
+    fields = None if sampled is None else _stored(collection, sheet, sampled)
     parts = bpy.data.collections.new(collection.name.replace("Morph", "Blend Pad", 1))
     for parent in collections_for_stand_ins(collection):
         parent.children.link(parts)
@@ -262,12 +262,19 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     return copies
 
 
-def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> Work[StoredFields]:
+def _sampled(collection: bpy.types.Collection) -> SampledFields:
+    """Sample the fields of the blends."""
+    from .field_sampling import read_blends, sample_fields
+
+    return drained(sample_fields(read_blends(collection, frame_objects(collection)), UNINTERRUPTED))
+
+
+def _stored(collection: bpy.types.Collection, sheet: _Sheet, sampled: SampledFields) -> StoredFields:
     """Store the fields of the blends."""
     from .field_sampling import store_fields
 
     columns = sheet_columns(sheet.frames, sheet.weights @ sheet.feet)
-    return store_fields(collection, sheet.frames, sheet.points, columns)
+    return store_fields(collection, sheet.frames, sampled, sheet.points, columns)
 
 
 def _result(

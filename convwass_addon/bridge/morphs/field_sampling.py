@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from types import ModuleType
 
 import bpy
@@ -23,13 +24,12 @@ from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
-from ...progress import Progress, Work
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..sequence import write_table
-from ..unused_data import removed_on_errors
 from .field_sampler import SampleGrid, field_sampler
 from .stand_ins import adopt, hide_fields
 from .stored import frame_weights, stored_morph
@@ -55,13 +55,46 @@ _LEAST_LOST, _LEAST_HALF = 4, 0.4
 _MOST_SAMPLES = 4_000_000
 
 
-def store_fields(
-    collection: bpy.types.Collection,
-    frames: Sequence[bpy.types.Object],
-    places: NDArray[np.float64],
-    columns: Sequence[Column],
-) -> Work[StoredFields]:
-    """Sample the signed distances of blends, and store them with their morph.
+@dataclass(frozen=True)
+class BlendMeshes:
+    """Baked blends as arrays.
+
+    Attributes
+    ----------
+    meshes : list of TriangleMesh
+        One per blend, in local space of its object.
+    weights : (n, k) float64
+        Weights of the shapes.
+    cells : float
+        Cells of the fields along the longest side.
+    """
+
+    meshes: list[TriangleMesh]
+    weights: NDArray[np.float64]
+    cells: float
+
+
+@dataclass(frozen=True)
+class SampledFields:
+    """Signed distances of blends, not stored yet.
+
+    Attributes
+    ----------
+    grid : SampleGrid
+        Positions of the samples, relative to the center of a blend.
+    steps : list of (m,) int8
+        Distances in steps, per blend.
+    columns : list of Column
+        Columns of the table, with one row per blend.
+    """
+
+    grid: SampleGrid
+    steps: list[NDArray[np.int8]]
+    columns: list[Column]
+
+
+def read_blends(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> BlendMeshes:
+    """Read the blends of a morph for :func:`sample_fields`.
 
     Parameters
     ----------
@@ -69,62 +102,94 @@ def store_fields(
         The morph.
     frames : sequence of bpy.types.Object
         Its frame objects.
-    places : (n, 3)
-        Vertices of the table, one per blend.
-    columns : sequence of Column
-        Further columns of the table.
+
+    Raises
+    ------
+    InputError
+        Blender lacks OpenVDB's Python module.
+    """
+    if openvdb_module() is None:
+        raise InputError(
+            "Interpolation requires OpenVDB for Python, which this Blender lacks; use another Blender, or set In "
+            "Between to Nearest Blend."
+        )
+    found = triangle_meshes(frames, bpy.context.evaluated_depsgraph_get())
+    meshes = [_local_mesh(obj, mesh) for obj, mesh in zip(frames, found, strict=True)]
+    return BlendMeshes(meshes, frame_weights(frames), field_cells(stored_morph(collection).settings))
+
+
+def sample_fields(blends: BlendMeshes, control: Control) -> Work[SampledFields]:
+    """Sample the signed distances of blends; any thread may do this.
+
+    Parameters
+    ----------
+    blends : BlendMeshes
+        As `read_blends` returns them.
+    control : Control
+        Stops the work.
 
     Yields
     ------
     Progress
         Yielded after every blend.
-
-    Returns
-    -------
-    StoredFields
-
-    Raises
-    ------
-    InputError
-        Blender lacks OpenVDB's Python module; nothing is left behind.
     """
-    openvdb = openvdb_module()
-    if openvdb is None:
-        raise InputError(
-            "Interpolation requires OpenVDB for Python, which this Blender lacks; use another Blender, or set In "
-            "Between to Nearest Blend."
-        )
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    weights = frame_weights(frames)
-    meshes = [_local_mesh(*own) for own in zip(frames, triangle_meshes(frames, depsgraph), strict=True)]
-    offsets = _centers(meshes, weights)
-    grid = _grid(meshes, offsets, field_cells(stored_morph(collection).settings))
-    name = collection.name
-    data = bpy.data.meshes.new(f"{name} Fields")
-    data.vertices.add(int(np.prod(grid.shape)))
-    volumes, enclosed, lost, last = [], [], [], None
-    with removed_on_errors([data]):
-        for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True), start=1):
-            inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
-            closed = closed_surface(inner, grid.shape) if own.max() == 1.0 else inner
-            field = signed_distances(openvdb, closed, grid.shape)
-            steps = np.rint(field * SCALE).astype(np.int32)
-            write_attribute(data, FIELD.format(number - 1), "INT8", steps)
-            volumes.append(counted_volume(steps / SCALE))
-            enclosed.append(abs(closed.volume) * grid.spacing**3)
-            if last is not None:
-                lost.append(float(_loses_parts(last, field)))
-            last = field
-            done = {"done": number, "total": len(meshes)}
-            yield Progress(number / len(meshes), Sentence("Blend {done} of {total}", done))
-    own = [
+    meshes, openvdb = blends.meshes, openvdb_module()
+    offsets = _centers(meshes, blends.weights)
+    grid = _grid(meshes, offsets, blends.cells)
+    stored, volumes, enclosed, lost, last = [], [], [], [], None
+    for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, blends.weights, strict=True), start=1):
+        control.check()
+        inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
+        closed = closed_surface(inner, grid.shape, control) if own.max() == 1.0 else inner
+        control.check()
+        field = signed_distances(openvdb, closed, grid.shape)
+        steps = np.rint(field * SCALE).astype(np.int32)
+        stored.append(steps.astype(np.int8).ravel())
+        volumes.append(counted_volume(steps / SCALE))
+        enclosed.append(abs(closed.volume) * grid.spacing**3)
+        if last is not None:
+            lost.append(float(_loses_parts(last, field)))
+        last = field
+        done = {"done": number, "total": len(meshes)}
+        yield Progress(number / len(meshes), Sentence("Blend {done} of {total}", done))
+    columns = [
         Column(OFFSET, "FLOAT_VECTOR", offsets),
         Column(VOLUME, "FLOAT", np.array(volumes)),
         Column(ENCLOSED, "FLOAT", np.array(enclosed)),
         Column(LOSES_PARTS, "FLOAT", np.array([*lost, 0.0])),
-        Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames])),
     ]
-    table = _table(name, places, [*own, *columns])
+    return SampledFields(grid, stored, columns)
+
+
+def store_fields(
+    collection: bpy.types.Collection,
+    frames: Sequence[bpy.types.Object],
+    sampled: SampledFields,
+    places: NDArray[np.float64],
+    columns: Sequence[Column],
+) -> StoredFields:
+    """Store sampled distances with their morph.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        The morph.
+    frames : sequence of bpy.types.Object
+        Its frame objects.
+    sampled : SampledFields
+        Their distances.
+    places : (n, 3)
+        Vertices of the table, one per blend.
+    columns : sequence of Column
+        Further columns of the table.
+    """
+    name, grid = collection.name, sampled.grid
+    data = bpy.data.meshes.new(f"{name} Fields")
+    data.vertices.add(int(np.prod(grid.shape)))
+    for number, steps in enumerate(sampled.steps):
+        write_attribute(data, FIELD.format(number), "INT8", steps.astype(np.int32))
+    colors = Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames]))
+    table = _table(name, places, [*sampled.columns, colors, *columns])
     samples = bpy.data.objects.new(data.name, data)
     fields = StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
     hide_fields(data.name, [samples, table])
@@ -180,7 +245,7 @@ def signed_distances(openvdb: ModuleType, mesh: TriangleMesh, shape: tuple[int, 
     return np.clip(-distances, -BAND, BAND)
 
 
-def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
+def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int], control: Control = UNINTERRUPTED) -> TriangleMesh:
     """Return a mesh that bounds a solid: the mesh itself, or the surface of its cells at this resolution.
 
     Parameters
@@ -189,16 +254,22 @@ def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleM
         In cells, as for `signed_distances`; may be open, self-intersecting or nested, like shapes of users.
     shape : (int, int, int)
         Samples along the axes.
+    control : Control
+        Stops the work.
     """
     whole = welded(mesh)
+    control.check()
     if len(whole.faces) and topology(whole, edge_use(whole.faces)).closed:
         outward = orient_outward(whole)
-        filled = occupancy(outward.corners + 0.5, shape)
+        control.check()
+        filled = occupancy(outward.corners + 0.5, shape, control)
         if abs(filled.sum() - outward.volume) <= 0.01 * outward.volume:
             return outward
     else:
         outward = orient_outward(mesh)
-    filled = solid_or_shell_occupancy(outward.corners + 0.5, shape)
+    control.check()
+    filled = solid_or_shell_occupancy(outward.corners + 0.5, shape, control)
+    control.check()
     surface = surface_enclosing(gaussian_filter(filled, EXTRACTION_BLUR), float(filled.sum(dtype=np.float64)))
     return surface.mesh.moved((-0.5, -0.5, -0.5))
 

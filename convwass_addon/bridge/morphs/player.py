@@ -8,12 +8,13 @@ Geometry Nodes select the blend, so a file does not need the add-on to play in t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
 from ...errors import InputError
-from ...progress import Work, drained
+from ...progress import UNINTERRUPTED, drained
 from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
@@ -50,17 +51,23 @@ from .stand_ins import (
 from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame
 from .stored_fields import StoredFields
 
+if TYPE_CHECKING:
+    from .field_sampling import SampledFields
+
 
 def make_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> bpy.types.Object:
-    """Run :func:`build_player` to its end."""
-    return drained(build_player(collection, playback=playback, easing=easing, between=between))
+    """Sample fields if the player is to interpolate `between` blends, and run :func:`build_player`."""
+    require_path(collection)
+    interpolated = between == "INTERPOLATED" and is_solid(collection)
+    sampled = _sampled(collection) if interpolated else None
+    return build_player(collection, playback=playback, easing=easing, sampled=sampled)
 
 
 def build_player(
-    collection: bpy.types.Collection, *, playback: str, easing: str, between: str
-) -> Work[bpy.types.Object]:
+    collection: bpy.types.Collection, *, playback: str, easing: str, sampled: SampledFields | None
+) -> bpy.types.Object:
     """Create an object that shows the blends of a path, and hide the baked objects.
 
     Its `VALUE` is keyed over the frames of the bake, so that the animation is unchanged at first. With `Once`, the
@@ -75,14 +82,9 @@ def build_player(
         One of `PLAYBACKS`; can be changed in the modifier, which leaves the curve of the value as it is.
     easing : str
         One of `keyframes.EASINGS`.
-    between : "NEAREST" or "INTERPOLATED"
-        What to show between two blends: the nearer one, or their mixture, for which the file stores fields. Flat shapes
-        always show the nearer one.
-
-    Yields
-    ------
-    Progress
-        Yielded after storing the field of each blend.
+    sampled : SampledFields or None
+        Fields of the blends, with which the player mixes the two around a moment; without them, and for flat shapes,
+        it shows the nearer one.
 
     Returns
     -------
@@ -98,10 +100,9 @@ def build_player(
     require_path(collection)
     frames = _path_objects(collection)
     name = f"{collection.name} Player"
-    interpolated = between == "INTERPOLATED" and is_solid(collection)
-    fields = (yield from _stored(collection, frames)) if interpolated else None
+    fields = None if sampled is None else _stored(collection, frames, sampled)
     tree = frame_group(name)
-    _add_inputs(tree, interpolated)
+    _add_inputs(tree, sampled is not None)
     _fill(tree, collection, frames, fields)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     take_render_settings(player, frames)
@@ -140,7 +141,9 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
         tree = frames_modifier(player).node_group
-        fields = drained(_stored(collection, frames)) if interpolation(player) is not None else None
+        fields = None
+        if interpolation(player) is not None:
+            fields = _stored(collection, frames, _sampled(collection))
         tree.nodes.clear()
         _fill(tree, collection, frames, fields)
         adopt(collection, made_for(tree))
@@ -228,12 +231,21 @@ def _fill(
     output(tree, _with_override(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
 
-def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[StoredFields]:
+def _sampled(collection: bpy.types.Collection) -> SampledFields:
+    """Sample the fields of the blends of a path."""
+    from .field_sampling import read_blends, sample_fields
+
+    return drained(sample_fields(read_blends(collection, _path_objects(collection)), UNINTERRUPTED))
+
+
+def _stored(
+    collection: bpy.types.Collection, frames: Sequence[bpy.types.Object], sampled: SampledFields
+) -> StoredFields:
     """Store the fields of the blends of a path."""
     from .field_sampling import store_fields
 
     columns = path_columns(frames, times_per_second(bpy.context.scene))
-    return store_fields(collection, frames, _table(frames), columns)
+    return store_fields(collection, frames, sampled, _table(frames), columns)
 
 
 def _with_override(
