@@ -7,6 +7,7 @@ from __future__ import annotations
 import shutil
 import subprocess
 import sys
+from contextlib import contextmanager
 from types import SimpleNamespace
 
 import bpy
@@ -16,6 +17,7 @@ from mathutils import Matrix
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.morphs import volume_output
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.cache_output import as_cache
@@ -31,6 +33,7 @@ from convwass_addon.bridge.morphs.disk_output import (
     packed_bytes,
     remember_folder,
 )
+from convwass_addon.bridge.morphs.outputs import save_as
 from convwass_addon.bridge.morphs.removal import remove_bake, remove_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.volume_output import as_volume
@@ -270,6 +273,36 @@ def test_a_folder_that_stays_empty_vanishes_with_those_made_for_it(tmp_path):
         assert folder.is_dir()
         raise KeyboardInterrupt
     assert list(tmp_path.rglob("*")) == [tmp_path / "there"]
+
+
+def test_files_that_were_there_outlive_an_interrupt(tmp_path):
+    (tmp_path / "old.abc").write_text("old")
+    with pytest.raises(KeyboardInterrupt), filled_folder(tmp_path) as folder:
+        (folder / "new.abc").write_text("new")
+        raise KeyboardInterrupt
+    assert [file.name for file in tmp_path.iterdir()] == ["old.abc"]
+
+
+@contextmanager
+def interrupted_in(function):
+    """Let an interrupt come when a function is called."""
+
+    def interrupt(frame, event, _):
+        if event == "call" and frame.f_code is function.__code__:
+            raise KeyboardInterrupt
+
+    sys.setprofile(interrupt)
+    try:
+        yield
+    finally:
+        sys.setprofile(None)
+
+
+@pytest.mark.parametrize("output", ["alembic", "usd", "volume"])
+def test_files_whose_blend_is_not_saved_are_removed(collection, tmp_path, output):
+    with pytest.raises(KeyboardInterrupt), interrupted_in(save_blend):
+        save_as(collection, output, tmp_path / "there.blend")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_missing_frames_and_folders_are_reported(collection, tmp_path):

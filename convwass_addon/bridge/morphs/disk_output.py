@@ -170,11 +170,20 @@ def output_folder(folder: Path) -> Path:
 
 @contextmanager
 def filled_folder(folder: Path) -> Iterator[Path]:
-    """Provide a folder as `output_folder`; if it stays empty, it is removed, with those that were created for it."""
+    """Provide a folder as `output_folder`; if it stays empty, it is removed, with those that were created for it.
+
+    On an error or an interrupt, so are the files that were added, complete or not.
+    """
     made = [folder, *(parent for parent in folder.parents if not parent.exists())]
-    output_folder(folder)
+    before = set(output_folder(folder).iterdir())
     try:
         yield folder
+    except BaseException:
+        # On Windows, files that Blender reads cannot be removed.
+        with suppress(OSError):
+            for added in set(folder.iterdir()) - before:
+                added.unlink()
+        raise
     finally:
         # Only empty folders can be removed.
         with suppress(OSError):

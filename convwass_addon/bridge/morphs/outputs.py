@@ -82,8 +82,8 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
         # The replaced .blend file had its files there, too.
         with filled_folder(named_folder(folder_beside(target), collection)) as folder:
             written = ON_DISK[output](collection, folder)
-        remove_frames(collection)
-        return [save_blend(target), *written.files]
+            remove_frames(collection)
+            return [save_blend(target), *written.files]
     except RuntimeError as error:
         raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason(error)) from error
     finally:
