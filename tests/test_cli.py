@@ -324,7 +324,7 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
     assert cli.main(words) == 0
     said = capfd.readouterr()
     named = said.out.split("\n")
-    assert "Cube Morph: 1 shape keys; 95 % of the mesh ends within " in said.err
+    assert "Cube Morph: one shape key; 95 % of the mesh ends within " in said.err
     assert "2 vertices are folded or do not arrive at Ball; an attribute marks them: add guides there" in said.err
     assert "8% of the surface of Ball is missed: the mesh has too few vertices there" in said.err
     assert str(tmp_path / "keys.blend") in named

@@ -16,13 +16,15 @@ _LITTLE = 0.01
 
 def key_summary(name: str, paths: Sequence[KeyPath]) -> Sentence:
     """Return how well the mesh of an object arrives at the other shapes."""
+    count, distance = sum(len(path.times) for path in paths), max(path.distance_95 for path in paths)
+    if count == 1:
+        return Sentence(
+            "{name}: one shape key; 95 % of the mesh ends within {distance:.2%} of the other shape",
+            {"name": name, "distance": distance},
+        )
     return Sentence(
         "{name}: {count} shape keys; 95 % of the mesh ends within {distance:.2%} of the other shape",
-        {
-            "name": name,
-            "count": sum(len(path.times) for path in paths),
-            "distance": max(path.distance_95 for path in paths),
-        },
+        {"name": name, "count": count, "distance": distance},
     )
 
 
