@@ -166,6 +166,16 @@ def within(work: Work[Result], begin: float, end: float, message: Sentence | Non
         yield replace(report, fraction=fraction, message=message or report.message)
 
 
+def shares_within(steps: Generator[float, None, Result], begin: float, end: float) -> Generator[float, None, Result]:
+    """Yield finished shares of some work as shares of other work, from `begin` to `end`."""
+    while True:
+        try:
+            share = next(steps)
+        except StopIteration as done:
+            return done.value
+        yield begin + (end - begin) * share
+
+
 def as_part(work: Work[Result], number: int, count: int) -> Work[Result]:
     """Report work as one of so many equal parts of other work, by its number from 0."""
     return within(work, number / count, (number + 1) / count)

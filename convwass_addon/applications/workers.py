@@ -7,12 +7,15 @@ from __future__ import annotations
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, TypeVar
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from ..errors import InputError
+from ..progress import Progress, Work
+from ..sentence import Sentence
 
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
@@ -82,6 +85,48 @@ def side_by_side(work: Callable[[int], T], count: int) -> list[T]:
     """
     with frame_workers(min(count, thread_count())) as executor:
         return list(executor.map(work, range(count)))
+
+
+def in_step(works: Sequence[Generator[float, None, T]], message: Sentence) -> Work[list[T]]:
+    """Do several works in worker threads, each until it yields before any of them goes on.
+
+    Parameters
+    ----------
+    works : sequence of generators
+        At least one; they yield their finished shares. If one fails, the others are awaited until they yield.
+    message : Sentence
+        Reported with the mean of these shares.
+
+    Returns
+    -------
+    list
+        Their results in order.
+    """
+    states = [_Advanced(0.0, False, None)] * len(works)
+    with frame_workers(min(len(works), thread_count())) as executor:
+        while not all(state.is_done for state in states):
+            yield Progress(sum(state.share for state in states) / len(states), message)
+            states = list(executor.map(_advanced, works, states))
+    return [state.result for state in states]
+
+
+@dataclass(frozen=True)
+class _Advanced:
+    """The finished share of some work, and its result once it is done."""
+
+    share: float
+    is_done: bool
+    result: Any
+
+
+def _advanced(work: Generator[float, None, Any], last: _Advanced) -> _Advanced:
+    """Do some work until it yields or ends."""
+    if last.is_done:
+        return last
+    try:
+        return _Advanced(next(work), False, None)
+    except StopIteration as end:
+        return _Advanced(1.0, True, end.value)
 
 
 class _BlasLimit:

@@ -11,6 +11,7 @@ Applications 7, 1997). Where this fails, as on thin legs, clusters are divided.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ..progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control, drained
 from .chunks import chunks_by_sizes
 from .closest_points import closest_in_triangles
 from .edges import edge_lengths, mesh_edges, proper_faces, proper_part, vertex_components
@@ -103,13 +104,28 @@ def coarsened(
     Coarsening or None
         None if the coarser mesh would keep more than `most` of the vertices or change the connected components.
     """
+    return drained(coarsening_steps(mesh, areas, count, kept, control, most=most))
+
+
+def coarsening_steps(
+    mesh: TriangleMesh,
+    areas: NDArray[np.float64],
+    count: int,
+    kept: NDArray[np.int64] | None,
+    control: Control,
+    *,
+    most: float = _LARGEST_SHARE,
+) -> Generator[float, None, Coarsening | None]:
+    """Yield the finished share of the rounds before each, and return the same as :func:`coarsened`."""
     fine = _Fine.of(mesh, areas, control)
     if fine is None:
         return None
     limit = most * len(fine.points)
     seeds = fine.spread(count)
-    for _ in range(_LLOYD_ROUNDS):
+    rounds = _LLOYD_ROUNDS + _DIVIDING_ROUNDS
+    for done in range(_LLOYD_ROUNDS):
         control.check()
+        yield done / rounds
         if len(seeds) > limit:
             return None
         clusters = fine.grown(seeds)
@@ -117,8 +133,9 @@ def coarsened(
         seeds = fine.centered(clusters)
     if kept is not None:
         seeds = fine.with_kept(fine.grown(seeds), kept)
-    for _ in range(_DIVIDING_ROUNDS):
+    for done in range(_LLOYD_ROUNDS, rounds):
         control.check()
+        yield done / rounds
         if len(seeds) > limit:
             return None
         clusters = fine.grown(seeds)
@@ -200,6 +217,7 @@ class _Fine:
         used, faces = proper_part(mesh)
         if not len(used):
             return None
+        control.check()
         faces = _without_duplicates(faces, len(used))
         points = mesh.vertices[used]
         control.check()

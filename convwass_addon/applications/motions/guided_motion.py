@@ -28,8 +28,8 @@ from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.swing_twist import mean_turns, turn_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ..workers import both_ways, one_blas_thread, side_by_side
-from .carriers import Carrier, carrier_of
+from ..workers import both_ways, in_step, one_blas_thread
+from .carriers import Carrier, carrier_steps
 from .common_vertices import VersionOfMesh, met, versions_of_mesh
 from .consistent_maps import composed, composed_ways
 from .corresponding_vertices import corresponding_pair, vertices_correspond
@@ -43,6 +43,8 @@ from .shape_deformations import ShapeDeformation, split_deformation
 
 # Least weight of a point in the rigid alignment, even if its map is not trusted at all.
 _LEAST_TRUST = 0.01
+# Fraction of the work until the shapes are read.
+_READ = 0.05
 # Fraction of the work on a pair after the registration.
 _LAID = 0.9
 
@@ -240,13 +242,11 @@ def guided_motion(
     """
     settings = settings or GuidedSettings()
     check_guides(guides, shapes, names)
-    yield Progress(0.0, Sentence("Reading the shapes"))
-    carriers = side_by_side(
-        lambda shape: carrier_of(
-            shapes[shape], names[shape], guide_vertices(guides, shape), settings.carrier_vertices, control
-        ),
-        len(shapes),
-    )
+    works = [
+        carrier_steps(mesh, name, guide_vertices(guides, shape), settings.carrier_vertices, control)
+        for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True))
+    ]
+    carriers = yield from within(in_step(works, Sentence("Reading the shapes")), 0.0, _READ)
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     known: dict[tuple[int, int], GuidedPair] = {}
     for number, pair in enumerate(pairs):
@@ -257,7 +257,7 @@ def guided_motion(
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
         both = shapes[ordered[0]], shapes[ordered[1]]
         registration = _registered(both, (one, other), places, settings, control)
-        begin, end = (0.05 + 0.95 * share / len(pairs) for share in (number, number + 1))
+        begin, end = (_READ + (1.0 - _READ) * share / len(pairs) for share in (number, number + 1))
         with one_blas_thread():
             work = _deformed(one, other, registration, control)
             there, back, best, quality = yield from within(work, begin, end)

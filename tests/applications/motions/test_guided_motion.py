@@ -296,3 +296,14 @@ def test_a_wrong_guide_alone_is_left_out():
     motion = motion_of(mesh, other, settings=replace(ROUGH, map_vertices=600), guides=guides)
     np.testing.assert_allclose(motion.deformations[0, 1].points, mesh.vertices, atol=0.1)
     assert motion.pairs[0, 1].guides_left_out == 1
+
+
+def test_reading_shapes_that_are_made_coarser_is_reported():
+    """It takes most of the time that the registration of shapes of a million vertices takes."""
+    fractions = []
+    for report in guided_motion([ball(points=4000), box()], ["ball", "box"], [(0, 1)], TINY):
+        if str(report.message) != "Reading the shapes":
+            break
+        fractions.append(report.fraction)
+    assert len(fractions) > 4 and fractions == sorted(fractions)
+    assert fractions[0] == 0.0 < fractions[1] and fractions[-1] <= 0.05
