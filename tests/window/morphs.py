@@ -139,6 +139,7 @@ def _plays(window: Window) -> Iterator[float]:
     yield from _baked(window)
     yield from window.press("convwass.make_player")
     yield 1.0
+    yield from window.wait(lambda: not window.progress.running, 60, "the player is made")
     assert bpy.context.object.name.endswith("Player"), "the button makes no player"
     yield from window.picture("6 player")
     window.say("a player is made by its button")
@@ -149,6 +150,7 @@ def _drags_the_pad(window: Window) -> Iterator[float]:
     _settings().layout, _settings().steps, _settings().resolution = "TRIANGLE", 5, 48
     yield from _baked(window)
     yield from window.press("convwass.make_blend_pad")
+    yield from window.wait(lambda: any(obj.type == "EMPTY" for obj in bpy.data.objects), 60, "the pad is made")
     with window.override():
         bpy.ops.view3d.view_axis(type="FRONT")
         bpy.ops.view3d.view_all()
