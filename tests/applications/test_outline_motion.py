@@ -266,6 +266,16 @@ def test_limbs_do_not_swing_across_each_other():
             assert cells.sum() / 100**2 == pytest.approx(own.area, rel=0.005)
 
 
+def test_a_corner_beside_an_axis_of_symmetry_is_matched():
+    """The notch of this arrow has two corners, one of which is so near the axis that it is taken for its end."""
+    arrow = [(-154, -143), (-88, -143), (-2, 102), (2, 102), (89, -143), (154, -143), (34, 185), (-34, 185)]
+    bar = rectangle((-180, -28), (180, 28))
+    curves = [OutlinedShape.of(filled(own)).curve(0) for own in (1.1 * np.array(arrow, np.float64), bar)]
+    for match in matched_outlines(*curves):
+        assert (np.diff(match.map.places) > 0.0).all()
+        assert (np.diff(match.map.images) > 0.0).all()
+
+
 @pytest.mark.usefixtures("coarse")
 def test_an_s_unrolls_to_become_its_mirror_image():
     """Halfway, it is straight; as long and as wide as ever."""

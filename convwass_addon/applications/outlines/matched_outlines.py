@@ -223,13 +223,15 @@ def _at_corners(places: NDArray[np.float64], first: int, curve: OutlineCurve) ->
     """Return increasing places on a curve, with those from `first` on moved to corners that they are closest to."""
     found = places.copy()
     for corner in curve.corners:
-        away = curve.curve.differences(found[first:-1], np.array([corner]))[:, 0]
-        if not len(away) or np.abs(away).min() > _AT_CORNER * curve.curve.length:
-            continue
+        # What is at an end of the axis stays there.
+        away = curve.curve.differences(found[first - 1 :], np.array([corner]))[:, 0]
         nearest = int(np.abs(away).argmin())
-        moved = found[first + nearest] + away[nearest]
-        if found[first + nearest - 1] < moved < found[first + nearest + 1]:
-            found[first + nearest] = moved
+        if nearest in (0, len(away) - 1) or np.abs(away[nearest]) > _AT_CORNER * curve.curve.length:
+            continue
+        index = first - 1 + nearest
+        moved = found[index] + away[nearest]
+        if found[index - 1] < moved < found[index + 1]:
+            found[index] = moved
     return found
 
 
