@@ -13,10 +13,11 @@ from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.matched_outlines import matched_outlines
+from convwass_addon.applications.outlines.moved_sheets import MatchedShapes, moved_sheets
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import matched_shapes
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
-from convwass_addon.applications.outlines.sliding_outlines import least_distorted
+from convwass_addon.applications.outlines.sliding_outlines import least_effort
 from convwass_addon.geometry.coverage import coverage, self_overlap
 from convwass_addon.geometry.outlines import ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
@@ -234,7 +235,7 @@ def test_the_match_that_distorts_the_inside_less_is_taken():
     swings = []
     for first, second in ((bent(0.15), bent(1.9)), (star(4, 0.3), star(5))):
         shapes = [OutlinedShape.of(filled(own)) for own in (first, second)]
-        swings.append(least_distorted(matched_shapes(*shapes), UNINTERRUPTED).swings)
+        swings.append(least_effort(matched_shapes(*shapes), UNINTERRUPTED).swings)
     assert swings == [True, False]
 
 
@@ -258,12 +259,42 @@ def test_limbs_do_not_swing_across_each_other():
     """The tail of a G would swing through its bowl to become that of an S; it unrolls around the outside."""
     tail = np.array([(0.87, -0.3), (0.87, -0.1), (0.85, 0.0), (0.7, 0.02), (0.5, 0.02), (0.3, 0.02)])
     g, s = stroke(arc((0, 0), 1, 50, 330), tail), stroke(*S_BOWS)
-    match = least_distorted(matched_shapes(OutlinedShape.of(g), OutlinedShape.of(s)), UNINTERRUPTED)
+    shapes = [OutlinedShape.of(g), OutlinedShape.of(s)]
+    match = least_effort([own for own in matched_shapes(*shapes) if own.unrolled == 0.0], UNINTERRUPTED)
     assert match.swings
+    swung = MatchedShapes(shapes, {(0, 1): match})
+    assert moved_sheets(swung, ["g", "s"], GuidedSettings(), UNINTERRUPTED).overlap < 0.001
     for _, shapes in moved(g, s, *TIMES):
         for own in shapes:
             cells = coverage(own.moved(-own.bounds[0] * 100, 100.0), (400, 400))
             assert cells.sum() / 100**2 == pytest.approx(own.area, rel=0.005)
+
+
+def hook(height):
+    """A U whose left arm has this height."""
+    left, right = np.linspace((-0.5, height), (-0.5, 0.0), 20), np.linspace((0.5, 0.0), (0.5, 1.5), 20)
+    return stroke(left[:-1], arc((0, 0), 0.5, 180, 360), right[1:])
+
+
+def test_an_arm_that_grows_stays_upright():
+    """A J becomes a U without leaning; as a stroke, all of it would turn."""
+    for time, shapes in moved(hook(0.3), hook(1.5), *TIMES):
+        expected = hook(0.3 + 1.2 * time)
+        for own in shapes:
+            assert overlap(own, expected.moved(own.center - expected.center)) > 0.93
+
+
+def test_a_letter_stands_where_its_hole_opens():
+    """A g becomes a U without a pinhole, and its tail does not swing through half of a circle."""
+    g = filled(
+        [(0, 0.6), (1, 0.6), (1, 0.2), (0, 0.2), (0, 0), (1.2, 0), (1.2, 2), (0, 2)],
+        [(0.2, 0.8), (0.2, 1.8), (1, 1.8), (1, 0.8)],
+    )
+    u = filled([(0, 0), (1.2, 0), (1.2, 2), (1, 2), (1, 0.2), (0.2, 0.2), (0.2, 2), (0, 2)])
+    for _, shapes in moved(g, u, *TIMES):
+        for own in shapes:
+            assert len(boundary_rings(own)) == 1
+            np.testing.assert_allclose(np.ptp(own.bounds, axis=0), (1.2, 2.0), atol=0.4)
 
 
 def test_a_corner_beside_an_axis_of_symmetry_is_matched():

@@ -16,7 +16,7 @@ from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
 from .outline_pairs import KnownMatches, ShapePair
 from .outlined_shape import OutlinedShape
 from .region_counts import with_equal_counts
-from .sliding_outlines import least_distorted
+from .sliding_outlines import least_effort
 
 MOST_REGIONS = 32
 """Shapes of more regions are not matched by their outlines."""
@@ -24,11 +24,11 @@ MOST_REGIONS = 32
 # Where shapes have different numbers of regions, those with less than the first of these shares of the area of what
 # they belong to grow from points, and larger ones get pieces of it; or else all but the largest one grow.
 _LEAST_SHARES = 0.1, 1.0
-# Holes that the other shape has not are opened to the outside if the cost is then less than this share of that if they
-# shrink to points, which is tried from this cost on, and for up to so many holes. By eye, shares up to 0.4 are better
-# opened, such as an O that becomes a C (0.09) and a B that becomes an E (0.22), and shares from 0.65 on are not, such
-# as a ring that becomes a heart (0.68).
-_CLEARLY_LESS, _OPENED_FROM, _MOST_OPENED = 0.5, 6.0, 4
+# Holes that the other shape has not are opened to the outside if that takes less than this share of the effort that
+# shrinking to points takes, which is tried from this cost on, and for up to so many holes. By eye, shares up to 0.64
+# are better opened, such as an O that becomes a C (0.13), a g that becomes a U (0.49) and a K that becomes a g (0.59),
+# and shares from 0.73 on are not, such as a D that becomes an I (0.76) and a lock that becomes a bell (0.87).
+_CLEARLY_LESS, _OPENED_FROM, _MOST_OPENED = 0.65, 6.0, 4
 # Limbs do not swing if more than this share of the area overlaps itself then, at some moments.
 _MOST_OVERLAP = 0.01
 # If more than the first share overlaps where regions turn, they are also moved as they stand. Shares count this many
@@ -83,7 +83,7 @@ def matched_motion(
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
         opened = attempted(lambda: _best_moved(with_open_holes(whole, pairs), names, pairs, settings, known, control))
-    return opened if opened is not None and opened.cost < _CLEARLY_LESS * closed.cost else closed
+    return opened if opened is not None and opened.effort < _CLEARLY_LESS * closed.effort else closed
 
 
 def _points(shapes: Sequence[OutlinedShape]) -> tuple[int, ...]:
@@ -100,7 +100,7 @@ def _best_moved(
     control: Control,
 ) -> MovedSheets:
     """Return the motion of shapes of equal numbers of regions; these turn and their limbs swing unless they collide."""
-    found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
+    found = MatchedShapes.of(shapes, pairs, least_effort, known, control)
     moved = moved_sheets(found, names, settings, control)
     if (found.swings or found.unrolls) and moved.overlap > _MOST_OVERLAP:
         for choose in (_rolled if found.unrolls else _as_strokes, _as_placed):
@@ -125,8 +125,8 @@ def _as_strokes(matches: Sequence[ShapePair], control: Control) -> ShapePair:
 
 
 def _rolled(matches: Sequence[ShapePair], control: Control) -> ShapePair:
-    """Return the match of two shapes that distorts them least of those in which no stroke unrolls."""
-    return least_distorted([match for match in matches if match.unrolled == 0.0], control)
+    """Return the match of two shapes that takes the least effort of those in which no stroke unrolls."""
+    return least_effort([match for match in matches if match.unrolled == 0.0], control)
 
 
 def _as_placed(matches: Sequence[ShapePair], control: Control) -> ShapePair:

@@ -36,8 +36,9 @@ _ALIKE = 0.05
 AS_PLACED = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02)
 """Weights of the work for curves as they are placed, chosen by eye."""
 
-# Those for limbs that swing, and the share of the strain as they are placed below which limbs may swing.
-_BENT = MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
+# Those for limbs that swing, with places that count less and hardly at all, and the share of the strain as they are
+# placed below which limbs may swing.
+_SWINGING = MatchWeights(0.1, 0.6, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
 _LESS_STRAIN = 0.97
 # A mirrored corner is a corner if there is one this close to it, relative to the length of the curve.
 _AT_CORNER = 0.004
@@ -166,17 +167,17 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
     if not upright:
         turned += [_Pose(_wrapped(turn)) for turn in np.arange(1, _TURNS) * (2.0 * np.pi / _TURNS)]
     stands = _straightest(upright) or [_Pose(0.0)]
-    placed, bent = _best(one, other, stands, AS_PLACED), _best(one, other, stands, _BENT)
-    swings = bent.match.strain < _LESS_STRAIN * placed.match.strain
+    placed, *bent = (_best(one, other, stands, weights) for weights in (AS_PLACED, *_SWINGING))
+    swings = [own for own in bent if own.match.strain < _LESS_STRAIN * placed.match.strain]
     found = _rough(one, other, turned, AS_PLACED) if placed.match.cost > _ALIKE else []
     lying = _least(found)
     if upright and lying is not None and lying.match.cost > _ALIKE:
         lying = _least([own for own in found if abs(own.pose.turn) > np.pi - _STANDING])
     if lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * placed.match.cost):
-        swings &= bent.match.strain < lying.match.strain
+        swings = [own for own in swings if own.match.strain < lying.match.strain]
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
         placed = replace(lying, pose=replace(lying.pose, turn=turn))
-    return [_finished(one, other, own, own is bent) for own in ([placed, bent] if swings else [placed])]
+    return [_finished(one, other, placed, swings=False), *(_finished(one, other, own, swings=True) for own in swings)]
 
 
 def have_upright_axis(one: OutlineCurve, other: OutlineCurve) -> bool:

@@ -15,6 +15,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.coverage import self_overlap
 from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...geometry.mesh import TriangleMesh
+from ...geometry.travel import travel
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
 from ..motions.coherence import FULL_COHERENCE
@@ -30,6 +31,7 @@ from .outline_meshes import filled_outline, outline_knots, region_labels, region
 from .outline_pairs import KnownMatches, ShapePair, matched_shapes, vanishing_share
 from .outlined_shape import OutlinedShape
 from .sheets import Sheet
+from .sliding_outlines import effort
 
 TRIANGLES = 0.028
 """Edge length of the triangles, relative to the size of the shape."""
@@ -69,6 +71,8 @@ class MovedSheets:
         Largest share of their area that grows from points, or shrinks to them.
     regions : int
         Number of regions of each.
+    travel : float
+        How far their insides move, at most; see :mod:`.travel`.
     """
 
     sheets: tuple[Sheet, ...]
@@ -78,6 +82,12 @@ class MovedSheets:
     overlap: float = 0.0
     vanishing: float = 0.0
     regions: int = 1
+    travel: float = 0.0
+
+    @property
+    def effort(self) -> float:
+        """What is to be small if shapes should not move far either."""
+        return effort(self.cost, self.travel)
 
     @property
     def cost(self) -> float:
@@ -162,12 +172,12 @@ def moved_sheets(
         carriers = tuple(carrier.following_gradients() for carrier in carriers)
     labels = [region_labels(carrier.mesh, shape) for carrier, shape in zip(carriers, shapes, strict=True)]
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
-    distortion = 0.0
+    distortion = traveled = 0.0
     for (one, other), match in matches.items():
         ends, own = (carriers[one], carriers[other]), (labels[one], labels[other])
-        there, back, distorted = _deformed(ends, own, match, control)
-        deformations[one, other], deformations[other, one] = there, back
-        distortion = max(distortion, distorted)
+        deformed = _DeformedPair.of(ends, own, match, control)
+        deformations[one, other], deformations[other, one] = deformed.there, deformed.back
+        distortion, traveled = max(distortion, deformed.distortion), max(traveled, deformed.travel)
     known = {pair: _figures(match) for pair, match in matches.items()}
     motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
@@ -176,29 +186,52 @@ def moved_sheets(
     vanishing = max((vanishing_share(match.first, match.second) for match in matches.values()), default=0.0)
     score = min((pair.score for pair in known.values()), default=1.0)
     regions = max(len(shape.regions) for shape in shapes)
-    return MovedSheets(sheets, choice, score, distortion, overlap, vanishing, regions)
+    return MovedSheets(sheets, choice, score, distortion, overlap, vanishing, regions, traveled)
 
 
-def _deformed(
-    ends: tuple[Carrier, Carrier],
-    labels: tuple[NDArray[np.int64], NDArray[np.int64]],
-    match: ShapePair,
-    control: Control,
-) -> tuple[ShapeDeformation, ShapeDeformation, float]:
-    """Deform two shapes to match each other, region by region; also return the distortion."""
-    own = labels[0], _counterparts(match)[labels[1]]
-    ways = match, match.swapped()
+@dataclass(frozen=True)
+class _DeformedPair:
+    """Two shapes deformed to match each other.
 
-    def filled(k: int) -> tuple[DeformedTriangles, ClosestPoints]:
-        found = filled_outline(ends[k].mesh, ways[k], control)
-        return found, _images(found, own[k], ends[1 - k].mesh, own[1 - k], control)
+    Attributes
+    ----------
+    there, back : ShapeDeformation
+        Of the first shape, and of the second one.
+    distortion : float
+        By how much their insides are distorted, at most.
+    travel : float
+        How far these move, at most; see :mod:`.travel`.
+    """
 
-    # The samples of both shapes are needed for both directions.
-    both_ways(lambda k: ends[k].samples)
-    (first, images), (second, images_back) = both_ways(filled)
-    there = split_deformation(*ends, _laid(first), None, control, images, np.inf)
-    back = split_deformation(*ends[::-1], _laid(second), there, control, images_back, np.inf)
-    return there, back, max(first.distortion, second.distortion)
+    there: ShapeDeformation
+    back: ShapeDeformation
+    distortion: float
+    travel: float
+
+    @classmethod
+    def of(
+        cls,
+        ends: tuple[Carrier, Carrier],
+        labels: tuple[NDArray[np.int64], NDArray[np.int64]],
+        match: ShapePair,
+        control: Control,
+    ) -> _DeformedPair:
+        """Deform two shapes region by region."""
+        own = labels[0], _counterparts(match)[labels[1]]
+        ways = match, match.swapped()
+
+        def filled(k: int) -> tuple[DeformedTriangles, ClosestPoints]:
+            found = filled_outline(ends[k].mesh, ways[k], control)
+            return found, _images(found, own[k], ends[1 - k].mesh, own[1 - k], control)
+
+        # The samples of both shapes are needed for both directions.
+        both_ways(lambda k: ends[k].samples)
+        (first, images), (second, images_back) = both_ways(filled)
+        there = split_deformation(*ends, _laid(first), None, control, images, np.inf)
+        back = split_deformation(*ends[::-1], _laid(second), there, control, images_back, np.inf)
+        moved = zip(ends, (first, second), ways, strict=True)
+        traveled = max(travel(end.mesh, found.points, way.turn) for end, found, way in moved)
+        return cls(there, back, max(first.distortion, second.distortion), traveled)
 
 
 def largest_overlap(sheets: Sequence[Sheet], motion: Motion, pair: tuple[int, int]) -> float:

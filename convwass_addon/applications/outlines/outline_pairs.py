@@ -99,6 +99,11 @@ class ShapePair:
         """Whether a region turns."""
         return any(pair.turn != 0.0 for pair in self.pairs)
 
+    @property
+    def turn(self) -> float:
+        """Angle in radians by which the first shape turns as a whole; zero if it has several regions."""
+        return next((pair.turn for pair in self.pairs if pair.turn != 0.0), 0.0) if len(self.regions) == 1 else 0.0
+
     def swapped(self) -> ShapePair:
         """Return the pair with the shapes swapped."""
         return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs))
