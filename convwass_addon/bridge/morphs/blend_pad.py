@@ -17,7 +17,6 @@ import numpy as np
 
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, drained
 from ..element_values import vectors_of
 from ..node_inputs import node_input
 from ..node_math import joined, math_node, new_node, pick, switch
@@ -264,9 +263,9 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
 
 def _sampled(collection: bpy.types.Collection) -> SampledFields:
     """Sample the fields of the blends."""
-    from .field_sampling import read_blends, sample_fields
+    from .field_sampling import sampled_fields
 
-    return drained(sample_fields(read_blends(collection, frame_objects(collection)), UNINTERRUPTED))
+    return sampled_fields(collection, frame_objects(collection))
 
 
 def _stored(collection: bpy.types.Collection, sheet: _Sheet, sampled: SampledFields) -> StoredFields:

@@ -24,7 +24,7 @@ from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import UNINTERRUPTED, Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..element_values import write_attribute
 from ..objects import triangle_meshes
@@ -159,6 +159,11 @@ def sample_fields(blends: BlendMeshes, control: Control) -> Work[SampledFields]:
         Column(LOSES_PARTS, "FLOAT", np.array([*lost, 0.0])),
     ]
     return SampledFields(grid, stored, columns)
+
+
+def sampled_fields(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> SampledFields:
+    """Read the blends of a morph, given its frame objects, and sample them; raises as :func:`read_blends`."""
+    return drained(sample_fields(read_blends(collection, frames), UNINTERRUPTED))
 
 
 def store_fields(

@@ -14,7 +14,6 @@ import bpy
 import numpy as np
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, drained
 from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
@@ -233,9 +232,9 @@ def _fill(
 
 def _sampled(collection: bpy.types.Collection) -> SampledFields:
     """Sample the fields of the blends of a path."""
-    from .field_sampling import read_blends, sample_fields
+    from .field_sampling import sampled_fields
 
-    return drained(sample_fields(read_blends(collection, _path_objects(collection)), UNINTERRUPTED))
+    return sampled_fields(collection, _path_objects(collection))
 
 
 def _stored(
