@@ -49,18 +49,33 @@ def weights_of_bones(count=6):
     return near / near.sum(axis=0)
 
 
-def test_weights_are_interpolated_and_keep_their_sums():
+def test_bone_weights_sum_to_one_and_respect_the_limit():
+    weights = weights_of_bones()
+    free = transferred_weights(ONTO_GIVER, GIVER, weights)
+    np.testing.assert_allclose(free.sum(axis=0), 1.0)
+    np.testing.assert_allclose(free[:, : len(GIVER.vertices)], weights, atol=1e-5)
+    limited = transferred_weights(ONTO_GIVER, GIVER, weights, limit=3)
+    assert ((limited > 0).sum(axis=0) == 3).all()
+    np.testing.assert_allclose(limited.sum(axis=0), 1.0)
+    # The largest weights stay, in proportion.
+    top = np.argsort(-free, axis=0, kind="stable")[:3]
+    kept = np.take_along_axis(free, top, 0)
+    np.testing.assert_allclose(np.take_along_axis(limited, top, 0), kept / kept.sum(axis=0))
+
+
+def test_weights_of_other_groups_keep_their_sums():
     weights = 0.4 * weights_of_bones()
-    found = transferred_weights(ONTO_GIVER, GIVER, weights)
-    np.testing.assert_allclose(found[:, : len(GIVER.vertices)], weights, atol=1e-5)
+    found = transferred_weights(ONTO_GIVER, GIVER, weights, limit=2, normalize=False)
     np.testing.assert_allclose(found.sum(axis=0), 0.4, atol=2e-3)
+    assert ((found > 0).sum(axis=0) <= 2).all()
 
 
-@given(arrays(np.float64, (3, len(GIVER.vertices)), elements=st.floats(0, 1)))
-def test_weights_are_valid_for_any_input(weights):
-    found = transferred_weights(without_points(ONTO_GIVER, LOST), GIVER, weights)
+@given(arrays(np.float64, (3, len(GIVER.vertices)), elements=st.floats(0, 1)), st.integers(1, 4), st.booleans())
+def test_weights_are_valid_for_any_input(weights, limit, normalize):
+    found = transferred_weights(without_points(ONTO_GIVER, LOST), GIVER, weights, limit, normalize)
     assert found.shape == (3, len(FINER.vertices))
     assert (found >= 0).all() and (found <= 1).all()
+    assert ((found > 0).sum(axis=0) <= limit).all()
     assert not found[:, LOST].any()
 
 
@@ -72,6 +87,7 @@ def test_weights_are_valid_for_any_input(weights):
         (lambda: transferred_corner_values(ONTO_GIVER, np.ones((4, 3, 2))), "three values for every triangle"),
         (lambda: transferred_weights(ONTO_GIVER, GIVER, np.ones(len(GIVER.vertices))), "for every group and vertex"),
         (lambda: transferred_weights(ONTO_GIVER, GIVER, -np.ones((1, len(GIVER.vertices)))), "not negative"),
+        (lambda: transferred_weights(ONTO_GIVER, GIVER, np.ones((1, len(GIVER.vertices))), 0), "at least 1"),
     ],
 )
 def test_mismatched_arrays_are_refused(call, message):

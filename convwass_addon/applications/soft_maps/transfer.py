@@ -61,7 +61,9 @@ def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np
     return np.einsum("nk,nkd->nd", points.barycentric.astype(np.float64), given[np.maximum(points.faces, 0)])
 
 
-def transferred_weights(points: PointMap, giver: TriangleMesh, weights: ArrayLike) -> NDArray[np.float64]:
+def transferred_weights(
+    points: PointMap, giver: TriangleMesh, weights: ArrayLike, limit: int | None = None, normalize: bool = True
+) -> NDArray[np.float64]:
     """Transfer weights of bones or groups to another mesh.
 
     Parameters
@@ -72,6 +74,10 @@ def transferred_weights(points: PointMap, giver: TriangleMesh, weights: ArrayLik
         The mesh that provides the weights.
     weights : (g, n)
         Nonnegative weights of every vertex in every group.
+    limit : int, optional
+        Largest number of groups per vertex: the largest weights are kept and rescaled to the original sum.
+    normalize : bool
+        Whether to normalize the weights of every vertex that has any to sum 1, as bone deformation requires.
 
     Returns
     -------
@@ -81,7 +87,7 @@ def transferred_weights(points: PointMap, giver: TriangleMesh, weights: ArrayLik
     Raises
     ------
     InputError
-        Wrong shape, or negative weights.
+        Wrong shape, negative weights, or a limit below 1.
     """
     given = np.asarray(weights, dtype=np.float64)
     check_giver(points, giver)
@@ -89,8 +95,15 @@ def transferred_weights(points: PointMap, giver: TriangleMesh, weights: ArrayLik
         raise InputError("Weights must have one number for every group and vertex.")
     if not (np.isfinite(given).all() and (given >= 0).all()):
         raise InputError("Weights must be numbers that are not negative.")
+    if limit is not None and limit < 1:
+        raise InputError("The limit of groups per vertex must be at least 1.")
     taken = np.stack([points.at(giver, row) for row in given]) if len(given) else np.zeros((0, len(points)))
     taken[taken < _LEAST_WEIGHT] = 0.0
+    if limit is not None and limit < len(taken):
+        taken = _limited(taken, limit)
+    if normalize:
+        sums = taken.sum(axis=0)
+        taken /= np.where(sums > 0, sums, 1.0)
     return np.minimum(taken, 1.0)
 
 
@@ -104,3 +117,13 @@ def check_giver(points: PointMap, giver: TriangleMesh) -> None:
     """
     if points.faces.max(initial=-1) >= len(giver.faces):
         raise InputError("The map belongs to a mesh with more faces; compute it again.")
+
+
+def _limited(weights: NDArray[np.float64], limit: int) -> NDArray[np.float64]:
+    """Keep the largest weights of every vertex, (g, m), rescaled to the original sum."""
+    # The first groups win ties.
+    order = np.argsort(-weights, axis=0, kind="stable")
+    kept = weights.copy()
+    np.put_along_axis(kept, order[limit:], 0.0, axis=0)
+    sums = kept.sum(axis=0)
+    return kept * (weights.sum(axis=0) / np.where(sums > 0, sums, 1.0))

@@ -75,7 +75,7 @@ class CarriedGroups:
     def _values(self, names: Sequence[str]) -> NDArray[np.float64]:
         ends = self._ends
         given = np.array([self._weights[name] for name in names]).reshape(len(names), len(ends.giver_mesh.vertices))
-        return transferred_weights(ends.points, ends.giver_mesh, given)
+        return transferred_weights(ends.points, ends.giver_mesh, given, None, False)
 
     def write(self, receiver: bpy.types.Object) -> Carried:
         """Write the groups."""
