@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.equal_shares import at_equal_shares
-from ...geometry.normals import triangle_areas
+from ...geometry.spread_points import spread_points
 from ..morphs.appearance import Appearance
 from ..motions.motion import MovedShape
 
@@ -40,13 +38,13 @@ class ShapeColors:
     @classmethod
     def of(cls, appearance: Appearance) -> ShapeColors:
         """Sample a shape at rest."""
-        places = _spread(appearance.corners)
+        places = spread_points(appearance.corners, _SAMPLES)
         return cls(places.interpolated(appearance.corners), appearance.seen(places).colors[:, :3])
 
     def moved(self, shape: MovedShape) -> ShapeColors:
         """Return the samples on the moved shape."""
         corners = shape.rest.corners
-        places = _spread(corners)
+        places = spread_points(corners, _SAMPLES)
         return ShapeColors(places.interpolated(shape.mesh.corners), self.near(places.interpolated(corners)))
 
     def near(self, points: NDArray[np.floating]) -> NDArray[np.float32]:
@@ -55,17 +53,3 @@ class ShapeColors:
             return np.tile(self.colors[0], (len(points), 1))
         nearest = cKDTree(self.points).query(points, _NEIGHBORS)[1]
         return self.colors[nearest].mean(axis=1)
-
-
-def _spread(corners: NDArray[np.float64]) -> ClosestPoints:
-    """Distribute points over triangles, (m, 3, 3), by area; deterministic.
-
-    Barycentric coordinates follow the R2 low-discrepancy sequence (Roberts 2018), whose steps are powers of the inverse
-    plastic number.
-    """
-    numbers, triangles = np.arange(_SAMPLES), at_equal_shares(triangle_areas(corners), _SAMPLES)
-    plastic = 1.32471795724474602596
-    u, v = (0.5 + numbers[:, None] / np.array([plastic, plastic**2])).T % 1.0
-    beyond = u + v > 1.0
-    u, v = np.where(beyond, 1.0 - u, u), np.where(beyond, 1.0 - v, v)
-    return ClosestPoints(triangles, np.stack([1.0 - u - v, u, v], axis=1), np.zeros(_SAMPLES))

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import depth_first_order, minimum_spanning_tree
 
 from ...geometry.normals import vertex_normals
@@ -43,16 +43,13 @@ def composed_ways(scores: Mapping[tuple[int, int], float], count: int) -> dict[t
     mapping of (int, int) to list of int
         The shapes on the way from the first one of a pair to the second one, with both; empty if no maps close a cycle.
     """
-    # Of equal scores, the maps of shapes that come first are kept.
-    ordered = sorted(scores, key=lambda pair: (-scores[pair], pair))
-    costs = [_MOST - scores[pair] for pair in ordered]
-    ends = np.array(ordered, np.int64).reshape(-1, 2).T
-    tree = minimum_spanning_tree(coo_array((costs, (ends[0], ends[1])), shape=(count, count)).tocsr())
+    costs, ends = [_MOST - score for score in scores.values()], np.array(list(scores), np.int64).reshape(-1, 2).T
+    tree = csr_array(minimum_spanning_tree(coo_array((costs, (ends[0], ends[1])), shape=(count, count)).tocsr()))
     kept = set(zip(*(own.tolist() for own in tree.nonzero()), strict=True))
     return {pair: _way(tree, *pair) for pair in scores if pair not in kept}
 
 
-def _way(tree: coo_array, begin: int, end: int) -> list[int]:
+def _way(tree: csr_array, begin: int, end: int) -> list[int]:
     """Return the shapes between two, with both."""
     _, before = depth_first_order(tree, begin, directed=False)
     way = [end]
