@@ -51,7 +51,7 @@ def component_links(mesh: TriangleMesh, control: Control) -> Links:
         lengths.append(found[0][chosen])
     weights = _WEIGHT * np.exp(-np.square(np.concatenate(lengths) / (_REACH * size)))
     kept = weights > _LEAST_WEIGHT
-    return Links(np.concatenate(ends)[kept], weights[kept])
+    return Links(np.concatenate(ends)[kept], weights[kept], np.zeros(np.count_nonzero(kept), bool))
 
 
 def _closest_outside(

@@ -25,13 +25,15 @@ from .normals import cross_coordinates
 _ANCHORING = 1e-4
 # Thinner triangles, by area over squared longest edge, have no gradient of their own.
 _THIN = 1e-9
+# Thin parts keep at least this fraction of their thickness.
+_LEAST_THICKNESS = 0.25
 # Smaller stretches count as this one, so that their logarithm is finite.
 _LEAST_STRETCH = 1e-6
 
 
 @dataclass(frozen=True)
 class Links:
-    """Springs between vertices that keep components of a mesh together.
+    """Springs between vertices that keep components of a mesh together, and the two sides of thin parts apart.
 
     Attributes
     ----------
@@ -39,15 +41,40 @@ class Links:
         Pairs of vertices.
     weights : (k,) float64
         Weight of each link; an edge between two equilateral triangles has 0.58.
+    across : (k,) bool
+        Which links lead across a thin part, from one side to the other.
     """
 
     ends: NDArray[np.int64]
     weights: NDArray[np.float64]
+    across: NDArray[np.bool_]
 
     @classmethod
     def none(cls) -> Links:
         """Return no links at all."""
-        return cls(np.empty((0, 2), np.int64), np.empty(0))
+        return cls(np.empty((0, 2), np.int64), np.empty(0), np.empty(0, bool))
+
+    def followed_by(self, others: Links) -> Links:
+        """Return these links and others."""
+        pairs = (self.ends, others.ends), (self.weights, others.weights), (self.across, others.across)
+        return Links(*(np.concatenate(pair) for pair in pairs))
+
+    def vectors(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the vector of every link, (k, 3), from its second end to its first, at positions of all vertices."""
+        return points[self.ends[:, 0]] - points[self.ends[:, 1]]
+
+    def kept_across(self, rest: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return vectors that leave the sides of thin parts where they are, at some distance from each other.
+
+        Parameters
+        ----------
+        rest, vectors : (k, 3)
+            The vector of every link at rest, and deformed but not rotated.
+        """
+        lengths = np.linalg.norm(rest, axis=1)
+        directions = rest / np.maximum(lengths, np.finfo(float).tiny)[:, None]
+        missing = _LEAST_THICKNESS * lengths - np.einsum("kd,kd->k", vectors, directions)
+        return vectors + np.where(self.across, np.maximum(missing, 0.0), 0.0)[:, None] * directions
 
 
 def deformation_gradients(

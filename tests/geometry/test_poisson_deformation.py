@@ -87,7 +87,7 @@ def test_triangles_without_area_have_no_gradient():
 
 def test_links_keep_components_together():
     mesh = joined(ball(points=60), ball(0.2, (0.0, 1.3, 0.0), points=40))
-    links = Links(np.array([[60, 0], [70, 3]]), np.array([0.5, 0.5]))
+    links = Links(np.array([[60, 0], [70, 3]]), np.array([0.5, 0.5]), np.zeros(2, bool))
     turn = Rotation.from_rotvec((0.0, 0.0, np.pi / 2)).as_matrix()
     gradients = np.tile(turn, (len(mesh.faces), 1, 1))
     rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]

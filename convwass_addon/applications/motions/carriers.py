@@ -26,6 +26,7 @@ from ...geometry.orientation import orient_outward
 from ...geometry.poisson_deformation import Links, PoissonDeformation
 from ...geometry.subdivision import bendable
 from ...geometry.surface_samples import SurfaceSamples
+from ...geometry.thickness_links import thickness_links
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control, drained, shares_within
 from ..usable_meshes import require_surface, too_intricate
@@ -208,7 +209,8 @@ def carrier_steps(
             raise too_intricate(name, _BEARABLE * count)
     control.check()
     yield _COARSENED
-    poisson = PoissonDeformation(outward, component_links(outward, control), _ANCHORING)
+    links = component_links(outward, control).followed_by(thickness_links(outward))
+    poisson = PoissonDeformation(outward, links, _ANCHORING)
     return Carrier(name, rest, cut.parents, outward, seeds, blend, poisson)
 
 

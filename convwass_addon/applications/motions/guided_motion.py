@@ -176,7 +176,7 @@ class GuidedMotion:
         offsets = (1.0 - stiffness) * sum(share * found.offsets for share, found in others)
         scale = stays + sum(share * found.scale for share, found in others)
         stretches = self.settings.mean_stretch([(share, found.stretches) for share, found in others])
-        rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]
+        rest = links.vectors(mesh.vertices)
         link_stretches = stays * rest + sum(share * found.link_stretches for share, found in others)
         if stiffness > 0:
             stretches = (1.0 - stiffness) * stretches + stiffness * scale * np.eye(3)

@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Links across thin parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.subdivision import bendable
+from convwass_addon.geometry.thickness_links import thickness_links
+from tests.shapes import ball, box, joined
+
+
+def plate(thickness=0.05):
+    return bendable(box((2.0, 2.0, thickness)), 1500).mesh
+
+
+def test_both_sides_of_a_plate_are_linked():
+    mesh = plate()
+    links = thickness_links(mesh)
+    inner = np.flatnonzero(np.abs(mesh.vertices[:, :2]).max(axis=1) < 0.9)
+    assert np.isin(inner, links.ends).all()
+    heights = mesh.vertices[links.ends, 2]
+    assert (heights.prod(axis=1) < 0.0).all()
+    assert links.across.all()
+
+
+def test_shorter_links_weigh_more():
+    thin, thicker = (thickness_links(plate(thickness)).weights for thickness in (0.02, 0.08))
+    assert np.median(thin) > 2.0 * np.median(thicker) > 0.0
+
+
+def test_thick_parts_have_no_links():
+    assert not len(thickness_links(ball(points=500)).ends)
+
+
+def test_parts_that_face_each_other_across_a_gap_have_no_links():
+    gap = 0.05
+    blocks = [bendable(box((1.0, 1.0, 1.0), (0.0, 0.0, side * (0.5 + gap / 2))), 600).mesh for side in (-1, 1)]
+    assert not len(thickness_links(joined(*blocks)).ends)
+
+
+def test_open_sheets_and_loose_vertices_have_no_links():
+    whole = plate()
+    one_side = whole.faces[(whole.vertices[whole.faces, 2] > 0.0).all(axis=1)]
+    assert not len(thickness_links(TriangleMesh(whole.vertices, one_side)).ends)
+    assert not len(thickness_links(TriangleMesh(whole.vertices, whole.faces[:0])).ends)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_they_do_not_depend_on_the_size(size):
+    mesh = plate()
+    larger = TriangleMesh(size * mesh.vertices, mesh.faces)
+    np.testing.assert_array_equal(thickness_links(larger).ends, thickness_links(mesh).ends)
+    np.testing.assert_allclose(thickness_links(larger).weights, thickness_links(mesh).weights)
