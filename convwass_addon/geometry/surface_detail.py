@@ -34,9 +34,10 @@ from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
 from .missed_rims import FARTHEST, MissedRims, missed_rims
-from .normals import area_normals, mean_directions, triangle_normals, unit_vectors, vertex_normals
+from .normals import mean_directions, triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
+from .volume_correction import with_volume
 
 # Edges are halved where they deviate from a shape by more than the first number of cells, unless they are shorter than
 # the second, and for at most this many rounds.
@@ -60,10 +61,6 @@ _FADING = 2
 _SOFT, _SHARP = 0.5, 0.9
 # Edges of narrow triangles are flipped, and then their vertices moved, if the surface moves by at most this many cells.
 _FLAT, _SMOOTH = 0.03, 0.01
-# The volume is corrected if its relative error exceeds the first number, by at most the second in cells along the
-# normals, in this many rounds: a chair halfway to a man needs a fifth of a cell.
-_VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.6, 4
-
 # Triangles that are processed together: their arrays fit into the cache of a processor.
 _AT_ONCE = 1 << 12
 
@@ -161,7 +158,7 @@ def with_detail(
     details = [own.details(own.faded_trust(laid.normals, cell, means)) for own in laid.carried]
     wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
     offsets = without_folds(laid.mesh, laid.normals, wanted, means)
-    detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), laid.normals, volume, cell)
+    detailed = with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), laid.normals, volume, cell)
     even = with_wider_angles(with_flipped_edges(detailed, _FLAT * cell), _SMOOTH * cell)
     moves = even.vertices - detailed.vertices
     carried = [own.moved(moves) for own in laid.carried]
@@ -387,18 +384,3 @@ def _are_low(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
     sides = np.roll(corners, -1, axis=1) - corners
     twice_areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     return twice_areas <= _LOW * np.square(sides).sum(axis=2).max(axis=1)
-
-
-def _with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float, cell: float) -> TriangleMesh:
-    """Move a surface evenly along normals, (n, 3), to enclose a volume, as far as the limit permits."""
-    moved = 0.0
-    for _ in range(_ROUNDS_OF_VOLUME):
-        missing = volume - mesh.volume
-        if abs(missing) <= _VOLUME_TOLERANCE * volume:
-            break
-        growth = float(np.einsum("nd,nd->", area_normals(mesh.vertices, mesh.faces), normals))
-        most = _MOST_CORRECTION * cell
-        step = float(np.clip(moved + missing / max(growth, np.finfo(float).tiny), -most, most)) - moved
-        mesh = TriangleMesh(mesh.vertices + step * normals, mesh.faces)
-        moved += step
-    return mesh

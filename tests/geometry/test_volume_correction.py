@@ -1,0 +1,52 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Surfaces that are moved along their normals to enclose a volume."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import triangle_normals, vertex_normals
+from convwass_addon.geometry.solid_angles import winding_numbers
+from convwass_addon.geometry.volume_correction import with_volume
+from tests.shapes import ball, extruded, joined
+
+
+def corrected(mesh, volume):
+    return with_volume(mesh, vertex_normals(mesh.vertices, mesh.faces), volume, 1.0)
+
+
+def plate(thickness):
+    square = 4.0 * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    return extruded(square, low=-0.5 * thickness, high=0.5 * thickness, edge=0.5)
+
+
+@pytest.mark.parametrize("change", [-0.3, 0.3])
+def test_a_ball_becomes_a_ball_of_that_volume(change):
+    mesh = ball(6.0)
+    found = corrected(mesh, mesh.volume * ((6.0 + change) / 6.0) ** 3)
+    np.testing.assert_allclose(np.linalg.norm(found.vertices, axis=1), 6.0 + change, atol=2e-3)
+
+
+def test_no_vertex_moves_farther_than_the_limit():
+    mesh = ball(6.0)
+    found = corrected(mesh, 0.5 * mesh.volume)
+    np.testing.assert_allclose(np.linalg.norm(found.vertices, axis=1), 5.4, atol=1e-3)
+
+
+@pytest.mark.parametrize("thickness", [0.1, 0.3, 0.6])
+def test_thin_plates_are_not_turned_inside_out(thickness):
+    thick, thin, above = ball(6.0), plate(thickness), np.array([0.0, 0.0, 12.0])
+    wanted = thick.volume * (5.6 / 6.0) ** 3 + 0.5 * thin.volume
+    both = joined(thick, TriangleMesh(thin.vertices + above, thin.faces))
+    found = corrected(both, wanted)
+    assert found.volume == pytest.approx(wanted, rel=1e-3)
+    plate_alone = TriangleMesh(found.vertices[len(thick.vertices) :] - above, thin.faces)
+    inside = np.abs(plate_alone.vertices[:, :2]).max(axis=1) < 3.0
+    heights = plate_alone.vertices[inside, 2] * np.sign(thin.vertices[inside, 2])
+    assert 0.14 * thickness < heights.min() <= heights.max() < 0.25 * thickness
+    centers = plate_alone.corners.mean(axis=1)
+    beneath = centers - 1e-3 * thickness * triangle_normals(plate_alone.corners)
+    np.testing.assert_allclose(winding_numbers(beneath, plate_alone), 1.0, atol=1e-6)
