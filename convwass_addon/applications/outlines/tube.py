@@ -115,12 +115,7 @@ class Tube:
 
     def pointing(self, course: NDArray[np.float64]) -> Tube:
         """Return the tube rotated so that its course has the direction of another one."""
-        axis = np.cross(self.course, course)
-        sine = np.linalg.norm(axis)
-        if sine == 0.0:
-            return self
-        angle = np.arctan2(sine, self.course @ course)
-        return replace(self, middle=rotation_matrices((axis * (angle / sine))[None])[0] @ self.middle)
+        return replace(self, middle=_smallest_turn(self.course, course) @ self.middle)
 
     def _at(self, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return points on the line, (n, 3), frames, (n, 3, 3), and radii, (n,), at places."""
@@ -200,9 +195,13 @@ def _untwisted(directions: NDArray[np.float64]) -> NDArray[np.float64]:
     second /= np.linalg.norm(second)
     found[0] = np.stack([directions[0], second, np.cross(directions[0], second)], axis=1)
     for piece in range(len(directions) - 1):
-        axis = np.cross(directions[piece], directions[piece + 1])
-        sine = np.linalg.norm(axis)
-        angle = np.arctan2(sine, directions[piece] @ directions[piece + 1])
-        vector = axis * (angle / sine if sine > 0.0 else 0.0)
-        found[piece + 1] = rotation_matrices(vector[None])[0] @ found[piece]
+        found[piece + 1] = _smallest_turn(directions[piece], directions[piece + 1]) @ found[piece]
     return found
+
+
+def _smallest_turn(direction: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the smallest rotation, (3, 3), from one direction to another; none if they are parallel."""
+    axis = np.cross(direction, other)
+    sine = np.linalg.norm(axis)
+    angle = np.arctan2(sine, direction @ other)
+    return rotation_matrices((axis * (angle / sine if sine > 0.0 else 0.0))[None])[0]
