@@ -77,6 +77,11 @@ def weights_between(count: int, pair: tuple[int, int], time: float) -> list[floa
     return weights
 
 
+def ways_between(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the ways from either shape of every pair to the other one."""
+    return [way for pair in pairs for way in (pair, pair[::-1])]
+
+
 def unmoved(motion: Motion, count: int, index: int) -> MovedShape:
     """Return one of `count` shapes alone: at rest, with the triangles that a motion gives it."""
     return motion.moved([float(other == index) for other in range(count)])[index]

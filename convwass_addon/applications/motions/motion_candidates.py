@@ -13,7 +13,7 @@ from .coherence import FULL_COHERENCE
 from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
-from .motion import arriving
+from .motion import arriving, ways_between
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 from .remaining_distance import remaining_share
@@ -93,7 +93,7 @@ class MotionCandidates:
     def warp_crumpling(self, warp: WarpMotion) -> float:
         """Return how much warped shapes crumple on each other at most, as :class:`.map_quality.MapQuality` says."""
         full, shapes = warp.with_coherence(FULL_COHERENCE), self.request.shapes
-        ways = [way for pair in self.request.pairs for way in (pair, pair[::-1])]
+        ways = ways_between(self.request.pairs)
         return max(arriving(full, len(shapes), *way).mesh.area / shapes[way[1]].area for way in ways)
 
 

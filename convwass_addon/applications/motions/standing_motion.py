@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..workers import side_by_side
-from .motion import Motion, MovedShape, arriving, unmoved
+from .motion import Motion, MovedShape, arriving, unmoved, ways_between
 
 # Two shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
 # twice the difference, blends follow the floor less and less.
@@ -140,7 +140,7 @@ def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]
     if not any(shares.values()):
         return motion
     places = {index: {index: rest.vertices} for index, rest in rests.items()}
-    ways = [*pairs, *(pair[::-1] for pair in pairs)]
+    ways = ways_between(pairs)
     arrived = side_by_side(lambda way: arriving(motion, count, *ways[way]).vertices, len(ways))
     for (one, other), vertices in zip(ways, arrived, strict=True):
         places[one][other] = vertices

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh, joined_meshes
 from ...geometry.subdivision import Subdivision
-from ..motions.motion import Motion, MovedShape, arriving, unmoved
+from ..motions.motion import Motion, MovedShape, arriving, unmoved, ways_between
 
 
 @dataclass(frozen=True)
@@ -115,7 +115,7 @@ class LendingMotion:
             Shapes that occur together in a blend.
         """
         parts: dict[int, list[LentPart]] = {}
-        for lender, borrower in [way for pair in pairs for way in (pair, pair[::-1])]:
+        for lender, borrower in ways_between(pairs):
             if is_loose[lender].any():
                 part = LentPart.of(retracting, (lender, borrower), len(is_loose), is_loose[lender])
                 parts.setdefault(borrower, []).append(part)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_fill import Boundary
-from ..motions.motion import MovedShape, unmoved
+from ..motions.motion import MovedShape, unmoved, ways_between
 from .agreeing_motion import AgreeingMotion
 from .attached_limbs import AttachedLimb, with_limb
 from .lent_parts import LendingMotion
@@ -98,8 +98,7 @@ def with_limbs(
         limbs.append(tuple(attached))
     motion = LimbMotion(flat, tuple(rests), tuple(limbs))
     sheets = tuple(Sheet.attached(part, rest) for part, rest in zip(parts, rests, strict=True))
-    ways = [way for pair in pairs for way in (pair, pair[::-1]) if limbs[way[0]]]
-    overlap = max(largest_overlap(sheets, motion, way) for way in ways)
+    overlap = max(largest_overlap(sheets, motion, way) for way in ways_between(pairs) if limbs[way[0]])
     if overlap > moved.overlap + _COLLIDING:
         return None
     choice = replace(moved.choice, motion=motion, limbs=sum(map(len, limbs)))

@@ -20,7 +20,7 @@ from ...geometry.section_cavities import SectionCavity, revolved_volume
 from ...progress import Control
 from ..motions.guided_motion import GuidedMotion
 from ..motions.guided_settings import GuidedSettings
-from ..motions.motion import Motion, arriving, weights_between
+from ..motions.motion import Motion, arriving, ways_between, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .agreeing_motion import AgreeingMotion
@@ -159,7 +159,7 @@ def _with_parts(
 
 def _arrivals(flat: AgreeingMotion, index: int, request: MotionRequest) -> list[TriangleMesh]:
     """Return a section moved onto every section that it occurs with."""
-    ways = [way for pair in request.pairs for way in (pair, pair[::-1])]
+    ways = ways_between(request.pairs)
     return [arriving(flat, len(request.shapes), *way).mesh for way in ways if way[0] == index]
 
 
