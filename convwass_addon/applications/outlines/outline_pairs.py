@@ -126,13 +126,14 @@ class KnownMatches:
     match: CurveMatcher = outlines_and_strokes
     _found: dict[tuple[int, int], tuple[ClosedCurve, ClosedCurve, list[MatchedOutlines]]] = field(default_factory=dict)
 
-    def of(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
-        """Match two curves around regions, unless they have been."""
-        first, second = one.curves[index], other.curves[there]
+    def of(self, one: OutlinedShape, region: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
+        """Match the curves around two regions, unless they have been."""
+        outer, other_outer = one.regions[region].outer, other.regions[there].outer
+        first, second = one.curves[outer], other.curves[other_outer]
         # The curves are kept, so that their numbers are not used again.
         key = id(first), id(second)
         if key not in self._found:
-            self._found[key] = first, second, self._matched(one, index, other, there)
+            self._found[key] = first, second, self._matched(one, outer, other, other_outer)
         return self._found[key][2]
 
     def _matched(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
@@ -159,7 +160,7 @@ def matched_shapes(one: OutlinedShape, other: OutlinedShape, known: KnownMatches
     """
     regions = region_pairs(one, other)
     known = KnownMatches() if known is None else known
-    matches = [known.of(one, one.regions[region].outer, other, other.regions[there].outer) for region, there in regions]
+    matches = [known.of(one, region, other, there) for region, there in regions]
     found = []
     for choice in range(max(map(len, matches))):
         pair = ShapePair(one, other)

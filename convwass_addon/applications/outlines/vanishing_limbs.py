@@ -16,7 +16,7 @@ import numpy as np
 from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.outline_limbs import OutlineLimb, outline_limbs, without_limb
 from ...progress import Control
-from .matched_outlines import MatchedOutlines, rough_work
+from .matched_outlines import rough_work
 from .outline_curves import OutlineCurve
 from .outline_pairs import KnownMatches, region_pairs
 from .outlined_shape import OutlinedRegion, OutlinedShape
@@ -161,7 +161,9 @@ def shape_bodies(
             continue
         shorter = _without_vanishing(found, link, control)
         if shorter is not found:
-            whole, count = _match(shapes, link, known), shorter.limb_count(link) - found.limb_count(link)
+            (one, own), (other, there) = link
+            whole = known.of(shapes[one], own, shapes[other], there)[0]
+            count = shorter.limb_count(link) - found.limb_count(link)
             # Shapes that turn may match with all limbs.
             turned = np.inf if whole.turn == 0.0 else whole.cost
             if turned > max(_ALIKE, shorter.work(link) / _CLEARLY_LESS**count):
@@ -186,7 +188,7 @@ def _without_vanishing(regions: _Regions, link: tuple[Place, Place], control: Co
     if before < _ALIKE:
         return regions
     symmetric = regions.are_symmetric(link)
-    best, least, current, last = regions, 1.0, regions, before
+    best, least, last = regions, 1.0, before
     for count in range(1, _MOST + 1):
         control.check()
         works = [own.work(link) for own in shorter]
@@ -200,13 +202,6 @@ def _without_vanishing(regions: _Regions, link: tuple[Place, Place], control: Co
         if work < _MATCHED or not shorter:
             break
     return best
-
-
-def _match(shapes: Sequence[OutlinedShape], link: tuple[Place, Place], known: KnownMatches) -> MatchedOutlines:
-    """Return the first match of two whole regions."""
-    (one, own), (other, there) = link
-    first, second = shapes[one], shapes[other]
-    return known.of(first, first.regions[own].outer, second, second.regions[there].outer)[0]
 
 
 def _body(shape: OutlinedShape, regions: Sequence[_Region]) -> ShapeBody:
