@@ -27,12 +27,18 @@ def apply_key_groups(obj: bpy.types.Object) -> None:
         return
     rest = element_values(reference.data, "co", 3)
     # Keys may refer to each other, so all are read before any is written.
-    moves = [element_values(key.data, "co", 3) - element_values(key.relative_key.data, "co", 3) for key in keys]
-    for key, move in zip(keys, moves, strict=True):
-        if key.vertex_group in obj.vertex_groups:
-            move *= read_group(obj, key.vertex_group).astype(np.float32)[:, None]
-        write_floats(key.data, "co", rest + move)
+    moves = [limited_moves(obj, key) for key in keys]
+    for key, own in zip(keys, moves, strict=True):
+        write_floats(key.data, "co", rest + own)
         key.relative_key, key.vertex_group = reference, ""
+
+
+def limited_moves(obj: bpy.types.Object, key: bpy.types.ShapeKey) -> NDArray[np.float32]:
+    """Return how a shape key moves the vertices of an object, (n, 3), as far as its vertex group lets it."""
+    moves = element_values(key.data, "co", 3) - element_values(key.relative_key.data, "co", 3)
+    if key.vertex_group in obj.vertex_groups:
+        moves *= read_group(obj, key.vertex_group).astype(np.float32)[:, None]
+    return moves
 
 
 def anchor_vertices(obj: bpy.types.Object, rig: bpy.types.Object, influences: NDArray[np.float64]) -> None:

@@ -24,8 +24,8 @@ from ..object_values import ObjectValues
 from ..objects import stand, take_own_materials, triangle_mesh
 from ..scene_values import SceneValues
 from ..unused_data import remove_if_unused, removed_on_errors
-from ..vertex_groups import read_group
 from ..visibility import evaluated_object
+from .limiting_groups import limited_moves
 from .records import SHAPES_KEY, key_names, key_records
 
 SLOTS = "convwass_slots"
@@ -209,12 +209,8 @@ def _own_moves(obj: bpy.types.Object) -> NDArray[np.float32]:
     reference, *keys = obj.data.shape_keys.key_blocks
     moves = np.zeros((len(reference.data), 3), np.float32)
     for key in keys:
-        if key.name in driven or key.mute:
-            continue
-        move = element_values(key.data, "co", 3) - element_values(key.relative_key.data, "co", 3)
-        if key.vertex_group in obj.vertex_groups:
-            move *= read_group(obj, key.vertex_group).astype(np.float32)[:, None]
-        moves += key.value * move
+        if key.name not in driven and not key.mute:
+            moves += key.value * limited_moves(obj, key)
     return moves
 
 
