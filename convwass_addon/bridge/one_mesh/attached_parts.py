@@ -24,7 +24,7 @@ from ..element_values import triangle_corners, vectors_of, write_floats
 from ..handles import Handle, found, found_or_none
 from ..mesh_checks import other_vertices, writable_mesh
 from ..objects import checked_matrix, checked_vertices
-from .records import has_key_record, key_names, key_records
+from .records import has_key_record, key_records, recorded_keys
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
 
 ATTACHED_KEY = "convwass_attached_keys"
@@ -101,7 +101,7 @@ class AttachJob:
             checked_matrix(part)
             checked_vertices(part.name, part.data)
         blocks = body.data.shape_keys.key_blocks
-        names = [name for record in self._records for name in _names(record)]
+        names = [name for record in self._records for name in recorded_keys(record)]
         missing = [name for name in names if name not in blocks]
         if missing:
             raise InputError(
@@ -262,7 +262,7 @@ def _follow(
     _remove_other_keys(part, body, moved)
     attached_names = _attached_names(part)
     for record in records:
-        for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
+        for name, expression in zip(recorded_keys(record), key_expressions(record["times"]), strict=True):
             key = _key(part, body, name)
             write_floats(key.data, "co", moved[name])
             drive_key(body, key, record["name"], expression)
@@ -338,10 +338,6 @@ def _stored_names(keys: bpy.types.Key) -> list[str] | None:
     except (KeyError, TypeError, ValueError):
         return None
     return names if isinstance(names, list) else None
-
-
-def _names(record: dict[str, object]) -> list[str]:
-    return key_names(record["name"], len(record["times"]))
 
 
 def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np.int64]:

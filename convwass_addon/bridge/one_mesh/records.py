@@ -58,6 +58,11 @@ def key_names(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name} {number}" for number in range(1, count + 1)]
 
 
+def recorded_keys(record: dict[str, object]) -> list[str]:
+    """Return the names of the shape keys of the path that a record describes."""
+    return key_names(record["name"], len(record["times"]))
+
+
 def slider_names(obj: bpy.types.Object) -> list[str]:
     """Return the names of the sliders of an object; none if it has no shape keys to other shapes."""
     try:

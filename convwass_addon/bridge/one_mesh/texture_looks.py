@@ -26,7 +26,7 @@ from ..scene_values import SceneValues
 from ..unused_data import remove_if_unused, removed_on_errors
 from ..visibility import evaluated_object
 from .limiting_groups import limited_moves
-from .records import SHAPES_KEY, key_names, key_records
+from .records import SHAPES_KEY, key_records, recorded_keys
 
 SLOTS = "convwass_slots"
 """Face attribute with the material slots from before the first baking."""
@@ -179,7 +179,7 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     if shape is None:
         raise InputError("The shape of {slider} is not in this file; bake the shape keys again.", slider=slider)
     record = next(own for own in key_records(obj) if own["name"] == slider)
-    key = obj.data.shape_keys.key_blocks.get(key_names(slider, len(record["times"]))[-1])
+    key = obj.data.shape_keys.key_blocks.get(recorded_keys(record)[-1])
     if key is None:
         raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
     positions = element_values(key.data, "co", 3) + _own_moves(obj)
@@ -205,7 +205,7 @@ def _own_moves(obj: bpy.types.Object) -> NDArray[np.float32]:
 
     The last key of a slider leads to its shape from there.
     """
-    driven = {name for record in key_records(obj) for name in key_names(record["name"], len(record["times"]))}
+    driven = {name for record in key_records(obj) for name in recorded_keys(record)}
     reference, *keys = obj.data.shape_keys.key_blocks
     moves = np.zeros((len(reference.data), 3), np.float32)
     for key in keys:
