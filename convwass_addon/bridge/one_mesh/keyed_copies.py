@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 from mathutils import Matrix
-from numpy.typing import NDArray
 
 from ..animation_time import returning, show_time
 from ..borrowed_names import borrowed_names
@@ -78,29 +77,31 @@ def assign_plain_material(
 
 @dataclass(frozen=True)
 class _Sampled:
-    """Values of all shape keys but the first in every frame, (f, k), their names, and where the object is."""
+    """The names of all shape keys but the first, their values in every frame, and where the object is."""
 
     names: list[str]
-    values: NDArray[np.float64]
+    values: list[list[float]]
     places: list[Matrix]
 
 
 def _sampled_keys(objects: Sequence[bpy.types.Object], frames: range) -> list[_Sampled]:
     """Read the shape keys of objects with drivers and animation; restores the current frame of the scene."""
     scene = bpy.context.scene
-    found: list[tuple[list[list[float]], list[Matrix]]] = [([], []) for _ in objects]
+    found = [_Sampled([key.name for key in _mixed_keys(obj)], [], []) for obj in objects]
     with returning(scene):
         for frame in frames:
             show_time(scene, frame)
             depsgraph = bpy.context.evaluated_depsgraph_get()
-            for obj, (values, places) in zip(objects, found, strict=True):
+            for obj, own in zip(objects, found, strict=True):
                 evaluated = obj.evaluated_get(depsgraph)
-                values.append([key.value for key in list(evaluated.data.shape_keys.key_blocks)[1:]])
-                places.append(evaluated.matrix_world.copy())
-    return [
-        _Sampled([key.name for key in list(obj.data.shape_keys.key_blocks)[1:]], np.array(values, dtype=float), places)
-        for obj, (values, places) in zip(objects, found, strict=True)
-    ]
+                own.values.append([key.value for key in _mixed_keys(evaluated)])
+                own.places.append(evaluated.matrix_world.copy())
+    return found
+
+
+def _mixed_keys(obj: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    """Return all shape keys of an object but the first."""
+    return list(obj.data.shape_keys.key_blocks)[1:]
 
 
 @dataclass(frozen=True)
@@ -159,7 +160,7 @@ class KeyedCopies:
         keys.name = f"{obj.name} Keys"
         data = keys.animation_data_create()
         data.action, data.action_slot = self.action, self.action.slots.new("KEY", keys.name)
-        for name, values in zip(sampled.names, sampled.values.T, strict=True):
+        for name, values in zip(sampled.names, zip(*sampled.values, strict=True), strict=True):
             for number, value in enumerate(values):
                 keys.key_blocks[name].value = value
                 keys.key_blocks[name].keyframe_insert("value", frame=number)
