@@ -230,10 +230,15 @@ def ensure_action(block: bpy.types.ID) -> None:
     Without it, Blender inserts the keys of an object into the action of its mesh, shape keys or materials, if they have
     one.
     """
-    data = block.animation_data or block.animation_data_create()
-    if data.action is None:
-        data.action = bpy.data.actions.new(f"{block.name}Action")
-        data.action_slot = data.action.slots.new(block.id_type, block.name)
+    data = block.animation_data
+    if data is None or data.action is None:
+        use_action(block, bpy.data.actions.new(f"{block.name}Action"))
+
+
+def use_action(block: bpy.types.ID, action: bpy.types.Action) -> None:
+    """Let an action animate a data-block, with a new slot for it."""
+    data = block.animation_data_create()
+    data.action, data.action_slot = action, action.slots.new(block.id_type, block.name)
 
 
 def take_animation(block: bpy.types.ID, source: bpy.types.ID, paths: Sequence[str]) -> None:
@@ -315,10 +320,9 @@ def set_keys(curve: bpy.types.FCurve, keys: ArrayLike, how: str = "LINEAR") -> N
 
 def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.ActionChannelbag:
     """Return the object's channels in the action, assigned and created as needed."""
-    data = obj.animation_data or obj.animation_data_create()
+    data = obj.animation_data_create()
     if data.action != action or data.action_slot is None:
-        data.action = action
-        data.action_slot = action.slots.new("OBJECT", obj.name)
+        use_action(obj, action)
     layer = action.layers[0] if action.layers else action.layers.new("Visibility")
     strip = layer.strips[0] if layer.strips else layer.strips.new(type="KEYFRAME")
     return strip.channelbag(data.action_slot, ensure=True)

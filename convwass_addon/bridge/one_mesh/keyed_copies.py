@@ -14,7 +14,7 @@ from mathutils import Matrix
 
 from ..animation_time import returning, show_time
 from ..borrowed_names import borrowed_names
-from ..keyframes import curves_of, interpolate
+from ..keyframes import curves_of, interpolate, use_action
 from ..morphs.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, take_own_materials, transform_mesh, unsheared_factors
 from ..scratch_scene import scratch_animation
@@ -158,8 +158,7 @@ class KeyedCopies:
         keys = copy.data.shape_keys
         keys.animation_data_clear()
         keys.name = f"{obj.name} Keys"
-        data = keys.animation_data_create()
-        data.action, data.action_slot = self.action, self.action.slots.new("KEY", keys.name)
+        use_action(keys, self.action)
         for name, values in zip(sampled.names, zip(*sampled.values, strict=True), strict=True):
             for number, value in enumerate(values):
                 keys.key_blocks[name].value = value
@@ -205,7 +204,6 @@ def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.ty
     copy.matrix_world = places[0]
     if np.allclose(places, places[0], atol=1e-6):
         return
-    data = copy.animation_data_create()
-    data.action, data.action_slot = action, action.slots.new("OBJECT", copy.name)
+    use_action(copy, action)
     copy.rotation_mode = "QUATERNION"
     key_matrices(copy, "matrix_world", places)

@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..animation_time import returning, show_time
-from ..keyframes import curves_of, interpolate
+from ..keyframes import curves_of, interpolate, use_action
 from ..objects import is_sheared
 
 # Smallest change of a matrix that is a movement.
@@ -79,8 +79,7 @@ def key_poses(rig: bpy.types.Object, poses: RigPoses, action: bpy.types.Action) 
     """
     rig.animation_data_clear()
     _remove_constraints(rig)
-    data = rig.animation_data_create()
-    data.action, data.action_slot = action, action.slots.new("OBJECT", rig.name)
+    use_action(rig, action)
     if not any(map(is_sheared, poses.places)):
         rig.rotation_mode = "QUATERNION"
         key_matrices(rig, "matrix_world", poses.places)
