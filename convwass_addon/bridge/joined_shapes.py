@@ -18,7 +18,7 @@ from .mesh_checks import not_a_mesh
 from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
-from .objects import MESHED, checked_vertices, frozen_copy
+from .objects import MESHED, checked_vertices, evaluated_mesh, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
 from .unused_data import removed_on_errors
@@ -159,8 +159,7 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
     probe = _linked(_kept_for_now(bpy.data.meshes.new(source.name), temporary), depsgraph, temporary)
     probe.modifiers.new(MODIFIER, "NODES").node_group = tree
     depsgraph.update()
-    evaluated = probe.evaluated_get(depsgraph)
-    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    mesh = evaluated_mesh(probe.evaluated_get(depsgraph), depsgraph)
     with removed_on_errors([mesh]):
         if not len(mesh.polygons):
             raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)

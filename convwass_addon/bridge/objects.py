@@ -113,11 +113,16 @@ def labeled_mesh(
     from .face_labels import LABELS
 
     with _evaluated(obj, depsgraph, MESHED) as evaluated:
-        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh = evaluated_mesh(evaluated, depsgraph)
         try:
             return LabeledMesh(_world_mesh(obj.name, evaluated, mesh), LABELS[kind](evaluated, mesh))
         finally:
             bpy.data.meshes.remove(mesh)
+
+
+def evaluated_mesh(evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+    """Return a new mesh of what an evaluated object shows, with all of its attributes."""
+    return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
 
 
 def frozen_copy(
@@ -145,7 +150,7 @@ def frozen_copy(
     with _evaluated(obj, depsgraph, kinds) as evaluated:
         checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
-        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh = evaluated_mesh(evaluated, depsgraph)
         with removed_on_errors([mesh]):
             _check_faces(obj.name, evaluated, mesh)
             checked_vertices(obj.name, mesh)

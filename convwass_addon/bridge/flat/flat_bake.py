@@ -17,7 +17,7 @@ from ...geometry.outlines import ring_area
 from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_frames
 from ..morphs.frozen_inputs import FrozenInput
-from ..objects import is_sheared, place_mesh
+from ..objects import evaluated_mesh, is_sheared, place_mesh
 from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
@@ -149,7 +149,7 @@ def _frozen(
     with evaluated_object(obj, depsgraph) as evaluated:
         place = Matrix(flat.move.tolist()) @ evaluated.matrix_world
         if kind == "MESH" or obj.type == "MESH" or (obj.type != "GREASEPENCIL" and is_sheared(place)):
-            mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            mesh = evaluated_mesh(evaluated, depsgraph)
             copy = bpy.data.objects.new(obj.name, mesh)
             place_mesh(copy, place)
         else:

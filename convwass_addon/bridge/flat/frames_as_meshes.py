@@ -12,7 +12,7 @@ from ...errors import InputError
 from ..morphs.bake import assign_default_material
 from ..morphs.stand_ins import stand_ins
 from ..morphs.stored import frame_objects, store, stored_morph
-from ..objects import take_parent
+from ..objects import evaluated_mesh, take_parent
 from ..unused_data import remove_if_unused
 from .flat_paint import paint_mesh, region_colors
 
@@ -85,7 +85,7 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
 
 def mesh_of_frame(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
     """Return a new mesh of what a frame object shows, which may be a curve or a text, with its colors."""
-    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    mesh = evaluated_mesh(evaluated, depsgraph)
     if obj.type != "MESH":
         colors = region_colors(obj)
         if colors:

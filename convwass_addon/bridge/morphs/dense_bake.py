@@ -17,7 +17,7 @@ from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
-from ..objects import place_mesh, take_own_materials
+from ..objects import evaluated_mesh, place_mesh, take_own_materials
 from .hidden_inputs import copy_hidden
 from .player_inputs import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
@@ -106,7 +106,7 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
     """Create an object from what a player shows now."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = player.evaluated_get(depsgraph)
-    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    mesh = evaluated_mesh(evaluated, depsgraph)
     take_own_materials(mesh, player)
     mesh.name = f"Frame {number + 1:04d}"
     obj = bpy.data.objects.new(mesh.name, mesh)

@@ -30,7 +30,7 @@ from ..mesh_checks import require_not_edited
 from ..mesh_sequences import mesh_sequences
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
-from ..objects import take_own_materials
+from ..objects import evaluated_mesh, take_own_materials
 from ..scene_writing import write_alembic, write_draft, write_usd
 from ..visibility import is_in, shown_objects
 from .attached_parts import attached_parts
@@ -218,9 +218,7 @@ def _write_textures(objects: Sequence[bpy.types.Object], frames: range, target: 
 def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     """Return a copy of an object's mesh, modifiers applied, without shape keys."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = bpy.data.meshes.new_from_object(
-        obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-    )
+    mesh = evaluated_mesh(obj.evaluated_get(depsgraph), depsgraph)
     take_own_materials(mesh, obj)
     return mesh
 

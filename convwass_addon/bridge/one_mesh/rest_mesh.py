@@ -23,7 +23,7 @@ from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..armatures.rigs import is_posed
 from ..element_values import vectors_of, write_floats
-from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
+from ..objects import evaluated_mesh, frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from ..unused_data import removed_on_errors
 from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
@@ -181,7 +181,7 @@ def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply:
 
 def _local_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
     with evaluated_object(obj, depsgraph) as evaluated:
-        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        return evaluated_mesh(evaluated, depsgraph)
 
 
 def _basis(mesh: bpy.types.Mesh) -> NDArray[np.float64]:

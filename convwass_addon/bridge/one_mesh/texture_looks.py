@@ -21,7 +21,7 @@ from ..element_values import element_values, write_floats
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..object_values import ObjectValues
-from ..objects import stand, take_own_materials, triangle_mesh
+from ..objects import evaluated_mesh, stand, take_own_materials, triangle_mesh
 from ..scene_values import SceneValues
 from ..unused_data import remove_if_unused, removed_on_errors
 from ..visibility import evaluated_object
@@ -192,7 +192,7 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
         _check_arrival(onto, points[there.faces], slider, diagonal, float(record.get("distance_95", 0.0)))
         with evaluated_object(shape, depsgraph) as evaluated:
             world = placement @ np.array(evaluated.matrix_world, dtype=np.float64)
-            mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            mesh = evaluated_mesh(evaluated, depsgraph)
     take_own_materials(mesh, shape)
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
@@ -248,7 +248,7 @@ def _posed(obj: bpy.types.Object, prepared: bpy.types.Mesh, positions: NDArray[n
     depsgraph = bpy.context.evaluated_depsgraph_get()
     try:
         with evaluated_object(copy, depsgraph) as evaluated:
-            frozen = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            frozen = evaluated_mesh(evaluated, depsgraph)
             world = np.array(evaluated.matrix_world, dtype=np.float64)
         take_own_materials(frozen, obj)
     finally:
