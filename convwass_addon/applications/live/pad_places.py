@@ -32,6 +32,12 @@ def pad_height(count: int) -> float:
     return _HEIGHTS[count]
 
 
+def pad_points(count: int, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return positions, (n, 2), as points of the XZ plane, (n, 3), on a pad of width 1 around the origin."""
+    across, up = places.T
+    return np.stack([across - 0.5, np.zeros(len(places)), pad_height(count) * (up - 0.5)], axis=1)
+
+
 def pad_middle(count: int) -> tuple[float, float]:
     """Return the position at which all shapes have the same weight."""
     across, up = pad_corners(count).mean(axis=0)

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
+from ...applications.live.pad_places import pad_corners, pad_middle, pad_points
 from ..handles import Handle
 from ..pad_handles import OUTLINES, pad_handle, pad_labels, pad_lines
 
@@ -83,9 +83,7 @@ class LivePad:
 
     def _local(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return positions in local space of the pad, in its XZ plane, (n, 3)."""
-        across, up = places.T
-        height = pad_height(self.count)
-        return self.side * np.stack([across - 0.5, np.zeros(len(places)), height * (up - 0.5)], axis=1)
+        return self.side * pad_points(self.count, places)
 
     def _location(self, bounds: NDArray[np.float64], size: float) -> NDArray[np.float64]:
         """Return the origin of the pad: a line is below the shapes, other pads are to their left."""

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ...applications.live.pad_places import pad_height
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ..element_values import vectors_of
@@ -95,10 +96,8 @@ class _Sheet:
 
     @property
     def lattice(self) -> SheetLattice:
-        is_triangle = len(self.names) == 3
-        last = round(max(blend.place[1] for blend in self.blends))
-        rise = math.sqrt(0.75) if is_triangle else 1.0
-        return SheetLattice(self.points[0], self.side / last, rise, last, is_triangle)
+        count, last = len(self.names), round(max(blend.place[1] for blend in self.blends))
+        return SheetLattice(self.points[0], self.side / last, pad_height(count), last, count == 3)
 
     @property
     def weights(self) -> np.ndarray:
@@ -192,8 +191,8 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
     size = max(float((high - low).max()) for low, high in bounds)
     last = max(blend.place[1] for blend in blends)
     places = np.array([blend.place for blend in blends]) / last
-    rise = 1.0 if len(names) == 4 else math.sqrt(0.75)
-    points = SIDE * size * np.stack([places[:, 0], np.zeros(len(blends)), -rise * places[:, 1]], axis=1)
+    down = pad_height(len(names)) * places[:, 1]
+    points = SIDE * size * np.stack([places[:, 0], np.zeros(len(blends)), -down], axis=1)
     return _Sheet(names, frames, blends, corners, feet, size, points - points[corners].mean(axis=0))
 
 

@@ -8,13 +8,12 @@ on the Empty animate the blend.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 
+from ...applications.live.pad_places import pad_corners, pad_height, pad_points
 from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_labels, pad_lines
 
 PAD_OF = "convwass_material_pad"
@@ -49,7 +48,7 @@ class MaterialPad:
 
     def drive(self, across: bpy.types.NodeSocket, up: bpy.types.NodeSocket) -> None:
         """Let the place of the empty drive two sockets, from 0 to 1; see :func:`.weight_sheets.pad_weights`."""
-        height = SIDE * _rise(self.count)
+        height = SIDE * pad_height(self.count)
         rising = f"min(max(z/{height:.6f}+0.5,0),1)"
         along = f"x/{SIDE:.6f}"
         if self.count == 3:
@@ -78,7 +77,7 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
         return MaterialPad(found, len(materials), side)
     parts = bpy.data.collections.new(f"{name} Pad")
     scene.collection.children.link(parts)
-    corners = _corners(len(materials))
+    corners = SIDE * pad_points(len(materials), pad_corners(len(materials)))
     lattice = pad_lines("Material Pad", corners, OUTLINES[len(corners)])
     lattice.location = scene.cursor.location
     parts.objects.link(lattice)
@@ -89,16 +88,3 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
     for label in pad_labels(materials, corners, _TEXT, lattice, (0.6, -1.4)):
         parts.objects.link(label)
     return MaterialPad(handle, len(materials), side)
-
-
-def _rise(count: int) -> float:
-    return math.sqrt(0.75) if count == 3 else 1.0
-
-
-def _corners(count: int) -> np.ndarray:
-    """Return the positions of the materials in local space of the lattice, (count, 3), centered vertically."""
-    high = 0.5 * _rise(count)
-    places = [(-0.5, -high), (0.5, -high), (0.0, high)]
-    if count == 4:
-        places = [(-0.5, high), (0.5, high), (-0.5, -high), (0.5, -high)]
-    return SIDE * np.array([(x, 0.0, z) for x, z in places])
