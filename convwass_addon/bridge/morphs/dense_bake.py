@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.live.weight_layouts import path_weights
 from ...errors import InputError
 from ...progress import Progress, Work
 from ...sentence import Sentence
@@ -119,7 +120,4 @@ def _weights(player: bpy.types.Object) -> list[float]:
     """Return the weights of the shapes in what a player shows now."""
     last = last_value(player)
     value = shown_value(float(morph_value(player).get()), playback_item(player), last)
-    before = min(int(value), last - 1)
-    weights = [0.0] * (last + 1)
-    weights[before], weights[before + 1] = 1.0 - (value - before), value - before
-    return weights
+    return path_weights(value, last + 1).tolist()
