@@ -165,20 +165,18 @@ class MixedFrames:
         if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.blends.frames):
             on_meshes = self._shaded(on_meshes, laid.normal())
         shown = switch(self.tree, "GEOMETRY", detail, self._smooth(surface), on_meshes)
-        volume = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", ENCLOSED), self.mixture.weights)
+        volume = self.mixed_column("FLOAT", ENCLOSED)
         shown = with_volume(self.tree, shown, volume, _MOST_INFLATED * self.mixture.spacing)
         for number in range(1, len(self.blends.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
-            weight = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", name), self.mixture.weights)
-            shown = stored_attribute(self.tree, shown, name, weight)
+            shown = stored_attribute(self.tree, shown, name, self.mixed_column("FLOAT", name))
         shown = switch(self.tree, "GEOMETRY", detail, shown, self._with_uv_maps(shown))
         names = carried_attributes(self.blends.frames)
         if names:
             shown, points = laid.with_nearest(shown, "POINT")
         for name, kind in names.items():
             if name != VELOCITY:
-                values = laid.at_points(kind, name, points)
-                mixed = self._mixed(kind, values, self._shares(name))
+                mixed = self._mixed(kind, laid.at_points(kind, name, points), self._shares(name))
                 shown = stored_attribute(self.tree, shown, name, mixed, kind)
         if pace is None:
             return shown
@@ -217,8 +215,8 @@ class MixedFrames:
         return total(tree, found)
 
     def mixed_column(self, kind: str, name: str) -> bpy.types.NodeSocket:
-        """Return the mean of vectors or colors in the table of steps."""
-        return weighted_vectors(self.tree, self.mixture.of_steps(kind, name), self.mixture.weights)
+        """Return the mean of numbers, vectors or colors in the table of steps."""
+        return self._mixed(kind, self.mixture.of_steps(kind, name), self.mixture.weights)
 
     def with_materials(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with the material of the blends; if there are several, with that of the nearest face."""
