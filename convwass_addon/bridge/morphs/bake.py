@@ -173,11 +173,7 @@ class MorphBake:
         before = self._previews.pop(index, None)
         if before is None and index in self._finished:
             before = self._finished[index].obj
-        obj = None if before is None else before.find()
-        if obj is None:
-            obj = self._shown_object(frame, index)
-        elif frame.mesh is not None:
-            self._write(obj.data, frame.mesh)
+        obj = self._object_showing(frame, index, before)
         self._finished[index] = _Finished(Handle.of("objects", obj), frame.record)
         return obj
 
@@ -194,12 +190,17 @@ class MorphBake:
         index = self._blends.index(frame.blend)
         if not self._previews and not self._finished:
             self._hide_behind_previews()
-        before = self._previews.get(index)
+        obj = self._object_showing(frame, index, self._previews.get(index))
+        self._previews[index] = Handle.of("objects", obj)
+
+    def _object_showing(self, frame: MorphFrame, index: int, before: Handle | None) -> bpy.types.Object:
+        """Let the object from before show a frame, or a new one if there is none any more."""
         obj = None if before is None else before.find()
         if obj is None:
-            self._previews[index] = Handle.of("objects", self._shown_object(frame, index))
-        elif frame.mesh is not None:
+            return self._shown_object(frame, index)
+        if frame.mesh is not None:
             self._write(obj.data, frame.mesh)
+        return obj
 
     def keep_previews(self) -> bool:
         """Keep the previews as frames if nothing else is finished; return whether there are any."""
