@@ -152,7 +152,8 @@ class FillingLattice:
 
     def has_taken_over(self, now: float) -> bool:
         """Return whether this lattice alone determines all blends by now."""
-        return self._is_ready(self.levels[0], now)
+        first = self.levels[0]
+        return all(self._ready(first, one.node, now) == 1.0 for one in self._nodes[first])
 
     @property
     def filled(self) -> int:
@@ -176,9 +177,6 @@ class FillingLattice:
             steps: [Wanted(_unit(node, steps), self._layout.weights(node, steps)) for node in self._layout.nodes(steps)]
             for steps in LEVELS
         }
-
-    def _is_ready(self, steps: int, now: float) -> bool:
-        return all(self._ready(steps, one.node, now) == 1.0 for one in self._nodes[steps])
 
     def _is_surrounded(self, node: Node, steps: int) -> bool:
         around = (node, *self._layout.neighbors(node, steps))
