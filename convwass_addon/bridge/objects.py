@@ -353,6 +353,25 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons
     mesh_data.update()
 
 
+def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
+    """Replace the geometry of a mesh as fast as possible; its materials are kept.
+
+    Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance, "Live
+    blends").
+    """
+    count = len(triangles.faces)
+    mesh.clear_geometry()
+    mesh.vertices.add(len(triangles.vertices))
+    mesh.loops.add(3 * count)
+    mesh.polygons.add(count)
+    positions = np.ascontiguousarray(triangles.vertices, dtype=np.float32)
+    mesh.attributes["position"].data.foreach_set("vector", positions.ravel())
+    corners = np.ascontiguousarray(triangles.faces, dtype=np.int32)
+    mesh.attributes[".corner_vert"].data.foreach_set("value", corners.ravel())
+    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
+    mesh.update(calc_edges=True)
+
+
 def _short(vertices: np.ndarray) -> np.ndarray:
     """Round points to 17 binary digits of their extent: finer than any grid, and files compress better."""
     extent = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0

@@ -16,9 +16,9 @@ from convwass_addon.bridge import handles, visibility
 from convwass_addon.bridge.live import input_watch
 from convwass_addon.bridge.live.input_watch import InputWatch
 from convwass_addon.bridge.live.leftovers import ignore_undo, remove_leftovers
-from convwass_addon.bridge.live.live_scene import write_triangles
 from convwass_addon.bridge.live.live_session import LiveRequest, LiveSession
 from convwass_addon.bridge.live.running import running_live
+from convwass_addon.bridge.objects import write_triangles
 from convwass_addon.bridge.shape_sources import ShapeSource
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object

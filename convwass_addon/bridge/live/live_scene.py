@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..handles import Handle
+from ..objects import write_triangles
 from ..shape_sources import ShapeSource
 from ..visibility import is_in
 from .leftovers import LIVE_KEY, remove_live_objects
@@ -128,22 +129,3 @@ class LiveScene:
         active = None if self._active is None else self._active.find()
         if active is not None and is_in(layer, active):
             layer.objects.active = active
-
-
-def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
-    """Replace the geometry of a mesh as fast as possible; its materials are kept.
-
-    Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance, "Live
-    blends").
-    """
-    count = len(triangles.faces)
-    mesh.clear_geometry()
-    mesh.vertices.add(len(triangles.vertices))
-    mesh.loops.add(3 * count)
-    mesh.polygons.add(count)
-    positions = np.ascontiguousarray(triangles.vertices, dtype=np.float32)
-    mesh.attributes["position"].data.foreach_set("vector", positions.ravel())
-    corners = np.ascontiguousarray(triangles.faces, dtype=np.int32)
-    mesh.attributes[".corner_vert"].data.foreach_set("value", corners.ravel())
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
-    mesh.update(calc_edges=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import bpy
@@ -17,9 +18,11 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_nor
 from ...applications.palettes.png_bytes import png_bytes
 from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
+from ...geometry.mesh import TriangleMesh
 from ..color_spaces import DATA, color_space
 from ..element_values import element_values, write_floats
 from ..image_files import ImageFormat, drawn_image, opaque_pixels, save_image
+from ..objects import write_triangles
 from ..scene_writing import write_draft, write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -84,16 +87,8 @@ def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) ->
     corners = animation.points[0]
     mesh = bpy.data.meshes.new(target.stem)
     try:
-        mesh.vertices.add(len(corners))
-        mesh.loops.add(len(corners))
-        mesh.polygons.add(len(corners) // 3)
-        write_floats(mesh.vertices, "co", corners)
-        mesh.loops.foreach_set("vertex_index", np.arange(len(corners), dtype=np.int32))
-        mesh.polygons.foreach_set("loop_start", np.arange(0, len(corners), 3, dtype=np.int32))
-        mesh.update(calc_edges=True)
-        upright = VertexAnimation(
-            y_up(animation.points), y_up(animation.normals), animation.colors, changing=animation.changing
-        )
+        write_triangles(mesh, TriangleMesh(corners, np.arange(len(corners)).reshape(-1, 3)))
+        upright = replace(animation, points=y_up(animation.points), normals=y_up(animation.normals))
         uv_map = _add_coordinates(mesh, upright.grid.coordinates(), mesh.name)
         return _written(upright, mesh, target, fps, uv_map)
     finally:
