@@ -22,7 +22,7 @@ from .flat_blending import coinciding_frame, input_frame, surfaced_frame
 from .flat_frames import FlatFrame
 from .flat_layers import input_layers
 from .flat_motion import FlatMotion, MovedPart
-from .flat_origins import FlatOrigins, MovedOrigins
+from .flat_origins import FlatOrigins, MovedOrigins, PartGrid
 from .flat_problem import FlatProblem
 from .flat_shapes import FlatInput
 
@@ -112,13 +112,5 @@ class FlatMovingProblem:
             return None
         weights = [weight for weight in blend.weights if weight > 0]
         about = [gaussian_filter(sum(w * own for w, own in zip(weights, part, strict=True)), _ABOUT) for part in filled]
-        lattice = self.still.lattice
-        return MovedOrigins(
-            tuple(tuple(part) for part in moved),
-            np.flatnonzero(blend.weights),
-            np.argmax(np.stack(about), axis=0).astype(np.int16),
-            lattice.spacing,
-            lattice.corner(blend.weights),
-            lattice.origin + lattice.centers,
-            transported,
-        )
+        grid = PartGrid.of(self.still.lattice, blend.weights, about)
+        return MovedOrigins(tuple(tuple(part) for part in moved), grid, transported)
