@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,24 +13,32 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from ...applications.one_mesh.texture_settings import TextureSettings
-from ...applications.whole_paths import share_a_place
 from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..color_spaces import DATA, SRGB, color_space
-from ..element_values import element_values, write_attribute, write_floats
+from ..element_values import element_values
 from ..files import absolute_folder, file_stem
 from ..handles import Handle
-from ..image_files import image_path, opaque_pixels
+from ..image_files import opaque_pixels
 from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
-from ..object_names import without_number
 from ..scene_colors import srgb_of_scene
 from ..unused_data import removed_on_errors
+from .earlier_baking import (
+    BAKED,
+    assign_baked_material,
+    earlier_images,
+    earlier_material,
+    made_uv_map,
+    mesh_before_baking,
+    reload_files,
+    replace_data,
+)
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
 from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, missing_images, shown_channel
-from .texture_looks import BAKED, SLOTS, Look, end_look, start_look
+from .texture_looks import Look, end_look, start_look
 from .texture_material import ChannelImages, baked_material
 from .texture_uvs import baked_uv_map, loop_uvs, share_outside, texture_pixels
 
@@ -123,7 +130,7 @@ class TextureJob:
         self._baked: list[_Baked] = []
         self.notices: list[Sentence] = []
         sliders = [record["name"] for record in key_records(obj)]
-        made, prepared = _made_uv_map(obj.data), _without_keys(obj)
+        made, prepared = made_uv_map(obj.data), mesh_before_baking(obj)
         try:
             self._uv_map = baked_uv_map(prepared, obj.name, settings.texture_uvs, made)
             self._made = made or (self._uv_map if self._uv_map not in obj.data.uv_layers else "")
@@ -267,20 +274,20 @@ class TextureJob:
         self.discard()
         made = {channel: self._images(obj.name, channel) for channel in self._baked[0].pixels}
         images = [image for own in made.values() for image in own.images]
-        earlier = _earlier_material(obj.data)
-        before = _earlier_images(images, earlier)
+        earlier = earlier_material(obj.data)
+        before = earlier_images(images, earlier)
         with removed_on_errors(images):
             files = [self._stored(image, before.get(image, image).name) for image in images if self._folder]
         for image, old in before.items():
-            _replace(old, image)
-        _reload_files(files, images)
+            replace_data(old, image)
+        reload_files(files, images)
         constants = {own: ChannelImages((), values[0]) for own, values in self._values.items() if own not in made}
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
         material[BAKED] = self._made
-        _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
+        assign_baked_material(obj.data, material, self._uv_map, self._uvs)
         if earlier is not None and not earlier.users:
-            _replace(earlier, material)
+            replace_data(earlier, material)
         return BakedTextures(images, material, files, self._uv_map, self.notices)
 
     def _images(self, name: str, channel: Channel) -> ChannelImages:
@@ -331,88 +338,6 @@ def _materials(look: Look) -> list[bpy.types.Material | None]:
     slots = element_values(mesh.polygons, "material_index", kind=np.int32)
     count = len(mesh.materials)
     return [mesh.materials[slot] if count else None for slot in np.unique(np.minimum(slots, max(count - 1, 0)))]
-
-
-def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
-    """Copy the mesh of an object as it was before an earlier baking, undeformed and without shape keys."""
-    mesh = obj.data.copy()
-    holder = bpy.data.objects.new("Holder", mesh)
-    positions = element_values(mesh.shape_keys.key_blocks[0].data, "co", 3)
-    keys = Handle.of("shape_keys", mesh.shape_keys)
-    holder.shape_key_clear()
-    bpy.data.objects.remove(holder)
-    left = keys.find()
-    if left is not None:  # Blender 4.5
-        bpy.data.batch_remove([left])
-    write_floats(mesh.vertices, "co", positions)
-    if SLOTS in mesh.attributes:
-        slots = element_values(mesh.attributes[SLOTS].data, "value", kind=np.int32)
-        mesh.polygons.foreach_set("material_index", slots)
-    return mesh
-
-
-def _made_uv_map(mesh: bpy.types.Mesh) -> str:
-    """Return the name of the UV map that an earlier baking has made, or an empty one."""
-    names = (material[BAKED] for material in mesh.materials if material is not None and BAKED in material)
-    # Earlier versions stored True.
-    return next((name for name in names if isinstance(name, str) and name in mesh.uv_layers), "")
-
-
-def _earlier_material(mesh: bpy.types.Mesh) -> bpy.types.Material | None:
-    """Return the material that an earlier baking has made, or None."""
-    return next((material for material in mesh.materials if material is not None and BAKED in material), None)
-
-
-def _earlier_images(
-    images: Sequence[bpy.types.Image], material: bpy.types.Material | None
-) -> dict[bpy.types.Image, bpy.types.Image]:
-    """Return which images of a material that only one mesh shows are replaced by new ones.
-
-    Names tell, apart from their numbers; images that were renamed are kept.
-    """
-    if material is None or material.users > 1 or material.node_tree is None:
-        return {}
-    shown = (node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None)
-    old = {without_number(image.name): image for image in shown}
-    return {image: old[name] for image in images if (name := without_number(image.name)) in old}
-
-
-def _replace(old: bpy.types.ID, new: bpy.types.ID) -> None:
-    """Let data take the name of other data and its place wherever that is used.
-
-    The other data is not removed, since Blender might crash at undo.
-    """
-    old.user_remap(new)
-    new.rename(old.name, mode="ALWAYS")
-
-
-def _reload_files(files: Sequence[Path], images: Sequence[bpy.types.Image]) -> None:
-    """Let other images of some files, such as those in materials of the user, show what they contain now."""
-    others = set(bpy.data.images).difference(images)
-    for image in [own for own in others if own.source == "FILE" and own.packed_file is None and not own.is_dirty]:
-        if share_a_place([image_path(image)], files):
-            image.reload()
-
-
-def _assign_baked_material(
-    mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: NDArray[np.float32]
-) -> None:
-    """Give all faces of a mesh a baked material, with its UV map; the material of an earlier baking is replaced."""
-    if uv_map not in mesh.uv_layers:
-        mesh.uv_layers.new(name=uv_map, do_init=False)
-    write_floats(mesh.uv_layers[uv_map].uv, "vector", uvs)
-    mesh.uv_layers.active = mesh.uv_layers[uv_map]
-    if SLOTS not in mesh.attributes:
-        write_attribute(mesh, SLOTS, "INT", element_values(mesh.polygons, "material_index", kind=np.int32), "FACE")
-    earlier = _earlier_material(mesh)
-    if earlier is None:
-        mesh.materials.append(material)
-        place = len(mesh.materials) - 1
-    else:
-        place = mesh.materials.find(earlier.name)
-        mesh.materials[place] = material
-    mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), place, np.int32))
-    mesh.update()
 
 
 def _filled(

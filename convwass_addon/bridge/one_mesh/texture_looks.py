@@ -28,11 +28,6 @@ from ..visibility import evaluated_object
 from .limiting_groups import limited_moves
 from .records import SHAPES_KEY, key_records, recorded_keys
 
-SLOTS = "convwass_slots"
-"""Face attribute with the material slots from before the first baking."""
-BAKED = "convwass_baked"
-"""Custom property of materials that show baked images: the UV map that was made for them, or an empty text."""
-
 # The mesh must end within this multiple of the distance in its record, plus a share of the shape's diagonal.
 _SLACK, _LEAST = 3.0, 0.01
 # Points at which this is checked.
