@@ -18,7 +18,7 @@ from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
 from .pad_inputs import HANDLE, PAD, handle_velocities, pad_input, pad_part
 from .pad_velocity import key_handle_velocity
 from .player_inputs import interpolation
-from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, remove_unused, stand_ins
+from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, marked_by, remove_unused, stand_ins
 from .stored import WEIGHTS_KEY
 
 # Relative difference of widths that rounding makes.
@@ -38,7 +38,7 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     """
     require_all_blends(collection)
     bpy.context.view_layer.update()
-    before, parents = stand_ins(collection), _pad_collections(collection)
+    before, parents = stand_ins(collection), marked_by(collection, bpy.data.collections)
     known = {block.session_uid for block in adopted(collection)}
     mixed = any(frames_modifier(obj) and interpolation(obj) for obj in before)
     # A morph cannot have two pads.
@@ -49,17 +49,12 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     finally:
         adopt(collection, before)
     _take_over(_parts(before), _parts(obj for obj in stand_ins(collection) if obj not in before))
-    _merge(parents, [new for new in _pad_collections(collection) if new not in parents])
+    _merge(parents, [new for new in marked_by(collection, bpy.data.collections) if new not in parents])
     remove_unused(collection)
     drop_numbers(block for block in adopted(collection) if block.session_uid not in known)
     for velocity in handle_velocities(collection):
         if curves_of(pad_part(velocity.modifier, HANDLE), "location"):
             key_handle_velocity(velocity)
-
-
-def _pad_collections(morph: bpy.types.Collection) -> list[bpy.types.Collection]:
-    """Return the collections of the pads of a morph."""
-    return [own for own in bpy.data.collections if own.get(SHOWS_KEY) == morph]
 
 
 def _merge(parents: Sequence[bpy.types.Collection], others: Sequence[bpy.types.Collection]) -> None:

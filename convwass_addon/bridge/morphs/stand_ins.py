@@ -28,13 +28,17 @@ def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> N
         block[SHOWS_KEY] = collection
 
 
+def marked_by(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> list[bpy.types.ID]:
+    """Return which data-blocks are marked to show a morph; see `adopt`."""
+    return [block for block in blocks if block.get(SHOWS_KEY) == collection]
+
+
 def adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
     """Return the node groups, the objects, their data and their hidden collections that show a morph."""
     read = _read_by_nodes(collection)
     objects = [*stand_ins(collection), *read]
-    groups = [group for group in bpy.data.node_groups if group.get(SHOWS_KEY) == collection]
     homes = dict.fromkeys(obj[FIELDS_KEY] for obj in read)
-    return [*groups, *objects, *(obj.data for obj in objects if obj.data), *homes]
+    return [*marked_by(collection, bpy.data.node_groups), *objects, *(obj.data for obj in objects if obj.data), *homes]
 
 
 def drop_numbers(blocks: Iterable[bpy.types.ID]) -> None:
@@ -129,7 +133,7 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
     """Remove the objects that show a morph, and show its frame objects again; data with other users is kept."""
     remove_with_data(stand_ins(collection))
     remove_unused(collection)
-    for other in [other for other in bpy.data.collections if other.get(SHOWS_KEY) == collection]:
+    for other in marked_by(collection, bpy.data.collections):
         if not other.objects and not other.children:
             bpy.data.collections.remove(other)
     set_shown(collection, True)
@@ -139,11 +143,11 @@ def remove_unused(collection: bpy.types.Collection) -> None:
     """Remove unused node groups and materials that were created to show a morph, and objects that only they read."""
     # Groups use other groups, so nested ones need several passes.
     count = None
-    while count != len(groups := [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]):
+    while count != len(groups := marked_by(collection, bpy.data.node_groups)):
         count = len(groups)
         _remove_unused_assets(groups)
     _remove_unread(_read_by_nodes(collection))
-    _remove_unused_assets([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
+    _remove_unused_assets(marked_by(collection, bpy.data.materials))
 
 
 def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
