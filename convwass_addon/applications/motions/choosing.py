@@ -4,12 +4,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from ...errors import Cancelled
 from ...geometry.common_axes import plane_share
-from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
@@ -107,16 +105,12 @@ def _unless_outlined(request: MotionRequest, control: Control) -> Work[MotionCho
 def _by_bodies(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the shapes, or of the outer surfaces of those whose bodies overlap."""
     skinned = attempted(with_skins, request, control) or request
-    if request.is_free and _are_plane(request.shapes):
+    if request.is_free and all(plane_share(shape) >= _PLANE for shape in request.shapes):
         bends = bool((yield from within(_bends(skinned, control), 0.0, _COARSE_SHARE)))
         request, skinned = replace(request, bends=bends), replace(skinned, bends=bends)
     if skinned.shapes is request.shapes:
         return (yield from motion_of_surfaces(request, control))
     return (yield from _by_outer_surfaces(request, skinned, control))
-
-
-def _are_plane(shapes: Sequence[TriangleMesh]) -> bool:
-    return all(plane_share(shape) >= _PLANE for shape in shapes)
 
 
 def _bends(request: MotionRequest, control: Control) -> Work[bool]:

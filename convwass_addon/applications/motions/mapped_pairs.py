@@ -140,7 +140,7 @@ def _or_surveyed(
     folds = is_flat and best.detour > _FOLDING
     is_poor = folds or best.is_turned_over or best.score < (DOUBTED if best.symmetry is None else _FAIR)
     may_face_away = bool(turn is None and turns)
-    if not may_face_away and not _have_limbs(one.mesh, other.mesh):
+    if not may_face_away and (is_compact(one.mesh) or is_compact(other.mesh)):
         return best
     # The merit of shapes without a common mirror plane is lowered already.
     needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
@@ -168,10 +168,6 @@ def _or_surveyed(
     if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
-
-
-def _have_limbs(*shapes: TriangleMesh) -> bool:
-    return not any(is_compact(shape) for shape in shapes)
 
 
 def _may_turn(standing: MappedPair, turned: MappedPair) -> bool:
