@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.morph_request import MorphRequest
 from convwass_addon.bridge.morphs.stored import store, stored_parts
-from convwass_addon.bridge.one_mesh.records import described_bake
+from convwass_addon.bridge.one_mesh.records import RECORD_KEY, described_bake, slider_names
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -27,3 +27,10 @@ def test_shapes_are_the_objects_alone(grouping):
     keyed = bpy.data.objects.new("Keyed", bpy.data.meshes.new("Keyed"))
     store(keyed, described_bake(inputs, MorphRequest(grouping=grouping), MorphSettings(), 1))
     assert stored_parts(keyed) == inputs
+
+
+@pytest.mark.parametrize("text", ["", "[1]", '[{"name": "A"}]', "[" * 100_000])
+def test_damaged_records_are_none(text):
+    obj = bpy.data.objects.new("Keyed", bpy.data.meshes.new("Keyed"))
+    obj[RECORD_KEY] = text
+    assert slider_names(obj) == []

@@ -178,6 +178,14 @@ def test_parts_that_an_earlier_version_attached_are_recognized_by_the_names_of_t
     assert [key.name for key in mine.data.shape_keys.key_blocks] == ["Basis", "Sculpted"]
 
 
+def test_damaged_names_of_keys_are_those_of_the_body(body, hat):
+    select(hat, body)
+    bpy.ops.convwass.attach_parts()
+    hat.data.shape_keys["convwass_attached_keys"] = "[" * 100_000
+    delete_keys(body)
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent"]
+
+
 def test_a_part_keeps_what_an_earlier_version_attached_to_another_body(body, hat):
     other = object_with_keys(
         bpy.data.objects.new("Other", body.data.copy()),

@@ -335,7 +335,7 @@ def _stored_names(keys: bpy.types.Key) -> list[str] | None:
     """Return the names stored with the shape keys of a part; None if there are none, or they are damaged."""
     try:
         names = json.loads(keys[ATTACHED_KEY])
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, RecursionError):
         return None
     return names if isinstance(names, list) else None
 

@@ -48,7 +48,7 @@ def key_records(obj: bpy.types.Object) -> list[dict[str, object]]:
         records = json.loads(obj[RECORD_KEY])
         if all(isinstance(record["name"], str) and len(record["times"]) > 0 for record in records):
             return records
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, RecursionError):
         pass
     raise InputError("{name} has no shape keys of this add-on; make them again.", name=obj.name)
 
