@@ -10,17 +10,18 @@ from functools import partial
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..errors import InputError
 from ..geometry.affine import transformed_points
 from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
-from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
+from .node_math import joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
-from .objects import MESHED, checked_vertices, evaluated_mesh, frozen_copy
-from .sequence import MODIFIER, frame_group, mirrors, object_info
-from .shape_sources import ShapeSource, shows_collection
+from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh
+from .sequence import MODIFIER, frame_group, mirrors, object_info, transformed
+from .shape_sources import ShapeSource, instanced_parts, shows_collection
 from .unused_data import removed_on_errors
 from .visibility import current_objects, evaluated_object
 
@@ -30,6 +31,7 @@ Builder = Callable[[bpy.types.NodeTree], bpy.types.NodeSocket | None]
 VOLUME_THRESHOLD = 0.1
 """Density of volumes at their surface, as in Blender's Volume to Mesh."""
 
+_HERE = Matrix()
 _MESHED = ("MESH", "FONT", "CURVE", "SURFACE", "META")
 _WITH_RADIUS = ("CURVES", "POINTCLOUD")
 # Nesting depth up to which mirrored instances are handled.
@@ -135,9 +137,9 @@ def _is_made_of_others(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) ->
 def _independent_parts(sources: Sequence[ShapeSource]) -> list[bpy.types.Object]:
     """Return the parts of shapes that change no other shape while they are shown.
 
-    Metaballs merge with others, and hidden objects are not copied at particles, or vertices of their parent.
+    Metaballs merge with others, and hidden objects are not copied at particles, vertices of their parent, or Empties.
     """
-    groups = [own.instance_collection for own in bpy.data.particles if own.instance_collection is not None]
+    groups = {own.instance_collection for own in (*bpy.data.particles, *bpy.data.objects)} - {None}
     copied = {obj for group in groups for obj in group.all_objects}
     parts = [part for source in sources for part in source.parts]
     return [part for part in parts if part.type != "META" and part not in copied and not _has_copying_parent(part)]
@@ -153,9 +155,7 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
     pieces = [_piece(part, depsgraph, temporary) for part in source.parts]
     tree = frame_group(source.name)
     temporary.append(tree)
-    built = [piece(tree) for piece in pieces]
-    whole = joined(tree, [piece for piece in built if piece is not None])
-    new_node(tree, "NodeGroupOutput", {"Geometry": whole})
+    new_node(tree, "NodeGroupOutput", {"Geometry": _all_of(tree, pieces)})
     probe = _linked(_kept_for_now(bpy.data.meshes.new(source.name), temporary), depsgraph, temporary)
     probe.modifiers.new(MODIFIER, "NODES").node_group = tree
     depsgraph.update()
@@ -169,24 +169,69 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
     return mesh
 
 
-def _piece(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> Builder:
-    """Read a part, and return what builds its mesh in world space."""
+def _piece(
+    part: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    temporary: list[bpy.types.ID],
+    place: Matrix = _HERE,
+) -> Builder:
+    """Read a part, and return what builds its mesh, moved by a matrix in world space."""
     if shows_collection(part):
-        return lambda tree: _realized(tree, _as_instance(tree, part))
+        return _instanced_piece(part, depsgraph, temporary, place)
     if part.type in _WITH_RADIUS or (part.type in MESHED and _is_made_of_others(part, depsgraph)):
-        return partial(_solids, part=part, made=_checked_output(part, depsgraph))
+        return _moved(partial(_solids, part=part, made=_checked_output(part, depsgraph)), place)
     if part.type == "VOLUME":
-        return partial(_surface_of_volume, part=part)
+        return _moved(partial(_surface_of_volume, part=part), place)
     if part.type not in _MESHED:
         raise not_a_mesh(part)
-    own = _own_piece(part, depsgraph, temporary)
-    return _with_copies(part, own, depsgraph, temporary) if has_copies(part) else own
+    if has_copies(part):
+        own = _own_piece(part, depsgraph, temporary)
+        return _moved(_with_copies(part, own, depsgraph, temporary), place)
+    return _own_piece(part, depsgraph, temporary, place)
 
 
-def _own_piece(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> Builder:
-    """Return what builds the mesh of a part alone."""
+def _instanced_piece(
+    empty: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID], place: Matrix
+) -> Builder:
+    """Read the objects of the collection that an Empty shows, and return what builds their mesh.
+
+    Realizing an instance would lose the materials of objects, keep what is disabled, and distort custom normals.
+    """
+    with evaluated_object(empty, depsgraph) as evaluated:
+        checked_matrix(evaluated)
+        offset = Matrix.Translation(empty.instance_collection.instance_offset).inverted()
+        inside = place @ evaluated.matrix_world @ offset
+    parts = instanced_parts(empty)
+    with current_objects(parts, depsgraph):
+        pieces = [_piece(part, depsgraph, temporary, inside) for part in parts]
+    return partial(_all_of, pieces=pieces)
+
+
+def _all_of(tree: bpy.types.NodeTree, pieces: Sequence[Builder]) -> bpy.types.NodeSocket:
+    """Return the mesh of several parts."""
+    built = [piece(tree) for piece in pieces]
+    return joined(tree, [mesh for mesh in built if mesh is not None])
+
+
+def _moved(piece: Builder, place: Matrix) -> Builder:
+    """Return what builds a mesh that is moved by a matrix in world space."""
+    if place == _HERE:
+        return piece
+    return lambda tree: transformed(tree, piece(tree), matrix_node(tree, place))
+
+
+def _own_piece(
+    part: bpy.types.Object,
+    depsgraph: bpy.types.Depsgraph,
+    temporary: list[bpy.types.ID],
+    place: Matrix = _HERE,
+) -> Builder:
+    """Return what builds the mesh of a part alone, moved by a matrix in world space."""
     mesh = _own_mesh(part, depsgraph, temporary)
-    return lambda tree: None if mesh is None else _geometry_of(tree, _linked(mesh, depsgraph, temporary))
+    if mesh is None:
+        return lambda _tree: None
+    transform_mesh(mesh, place)
+    return lambda tree: _geometry_of(tree, _linked(mesh, depsgraph, temporary))
 
 
 def _with_copies(

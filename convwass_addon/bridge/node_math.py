@@ -46,6 +46,12 @@ def math_node(tree: bpy.types.NodeTree, operation: str, *values: bpy.types.NodeS
     return node.outputs[0]
 
 
+def matrix_node(tree: bpy.types.NodeTree, matrix: Sequence[Sequence[float]]) -> bpy.types.NodeSocket:
+    """Return a constant matrix, (4, 4)."""
+    by_columns = [float(row[column]) for column in range(4) for row in matrix]
+    return new_node(tree, "FunctionNodeCombineMatrix", dict(enumerate(by_columns))).outputs["Matrix"]
+
+
 def clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, low: float, high: Value) -> bpy.types.NodeSocket:
     """Return a number that is neither below nor above two limits."""
     return math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", value, high), low)

@@ -115,6 +115,15 @@ def shows_collection(obj: bpy.types.Object) -> bool:
     return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
 
 
+def instanced_parts(empty: bpy.types.Object) -> tuple[bpy.types.Object, ...]:
+    """Return the objects with a surface that an Empty shows of its collection, in their places outside of it.
+
+    What groups leave out is left out, too; so are objects that no view layer has if they are disabled in renders.
+    """
+    parts = [obj for obj in sorted(set(_inside(empty.instance_collection)), key=_name) if _is_solid(obj)]
+    return tuple(obj for obj in parts if not _is_left_out(obj)) or tuple(parts)
+
+
 class _Finder:
     """Finds the shapes of objects. What it looks up in the file, and every shape, is found once for all of them."""
 
@@ -223,6 +232,16 @@ def _outermost(shapes: Sequence[ShapeSource]) -> list[ShapeSource]:
         for shape, own in zip(shapes, parts, strict=True)
         if not any(own < other for other in containing[shape.parts[0]])
     ]
+
+
+def _is_solid(obj: bpy.types.Object) -> bool:
+    """Return whether an object can have a surface."""
+    return obj.type in ("MESH", "FONT", "CURVE", *_OTHER_SURFACES) or shows_collection(obj)
+
+
+def _is_left_out(obj: bpy.types.Object) -> bool:
+    """Return whether an object of an instanced collection, which may be in no scene, is not part of a shape."""
+    return _is_helper(obj) or (obj.hide_render and not obj.users_scene)
 
 
 def _is_helper(obj: bpy.types.Object) -> bool:

@@ -99,18 +99,6 @@ def test_of_several_objects_the_one_with_broken_coordinates_is_named(add, invent
     assert inventory() == before
 
 
-def test_an_instance_with_broken_coordinates_is_named(add, inventory):
-    library = bpy.data.collections.new("Library")
-    broken = add("Broken", collection=library)
-    broken.data.vertices[2].co.z = np.nan
-    broken.data.update()
-    instance("Inst", library)
-    before = inventory()
-    with pytest.raises(InputError, match="Inst: 1 of 6 vertices"):
-        read(bpy.data.objects["Inst"])
-    assert inventory() == before
-
-
 def test_a_collection_is_one_shape_with_all_materials_and_groups(bare_scene, add):
     hero = new_collection("Hero", bare_scene.collection)
     parts = [add("Body", collection=hero), add("Hat", (0, 0, 3), collection=new_collection("Clothes", hero))]

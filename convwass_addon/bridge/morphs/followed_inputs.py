@@ -22,7 +22,7 @@ from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
 from ..keyframes import drivers_of
 from ..mouse_progress import progress_at_mouse
-from ..node_math import new_node
+from ..node_math import matrix_node, new_node
 from ..objects import MESHED, frozen_copy, triangle_mesh
 from ..sequence import MODIFIER, frame_group, transformed
 from ..shape_sources import ShapeSource
@@ -141,10 +141,7 @@ def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | Non
         bpy.data.node_groups.remove(tree)
         return
     if move is not None:
-        matrix = new_node(
-            tree, "FunctionNodeCombineMatrix", dict(enumerate(np.transpose(move.matrix).ravel().tolist()))
-        )
-        geometry = transformed(tree, geometry, matrix.outputs["Matrix"])
+        geometry = transformed(tree, geometry, matrix_node(tree, move.matrix))
     material = obj.data.materials[0] if len(obj.data.materials) else None
     if shows_object_color(material) and not any(part.material_slots for part in parts):
         inputs = {"Material": material, "Geometry": geometry}
