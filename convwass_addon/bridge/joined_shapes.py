@@ -20,6 +20,7 @@ from .node_math import joined, matrix_node, named_attribute, new_node, stored_at
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
 from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh
+from .rendered_maps import render_with, share_colors, share_uv_map
 from .sequence import MODIFIER, frame_group, mirrors, object_info, transformed
 from .shape_sources import ShapeSource, instanced_parts, shows_collection
 from .unused_data import removed_on_errors
@@ -153,6 +154,8 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
     """Return a new mesh of all parts, and add temporary data to a list."""
     # All parts are read before anything is built, for Blender would rebuild its graph after each.
     pieces = [_piece(part, depsgraph, temporary) for part in source.parts]
+    read = [block for block in temporary if isinstance(block, bpy.types.Mesh)]
+    uv_map, colors = share_uv_map(read), share_colors(read)
     tree = frame_group(source.name)
     temporary.append(tree)
     new_node(tree, "NodeGroupOutput", {"Geometry": _all_of(tree, pieces)})
@@ -165,6 +168,8 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list
             raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)
         # Parts of instances are not checked one by one.
         checked_vertices(source.name, mesh)
+    # The mesh of a part that only shows copies is left out.
+    render_with(mesh, uv_map, colors)
     mesh.name = source.name
     return mesh
 

@@ -17,6 +17,7 @@ from ...geometry.polygons import Polygons
 from ..color_spaces import SRGB
 from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
+from ..rendered_maps import render_colors, render_uv_map
 from ..scene_colors import kind_of_colors, scene_of_srgb
 from ..vertex_groups import mesh_weights
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
@@ -278,11 +279,6 @@ def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray) -> 
     return Textured(pixels, element_values(layer.uv, "vector", 2)[loops], node.extension == "REPEAT")
 
 
-def render_uv_map(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
-    """Return the UV map that renders use where none is named, or None."""
-    return next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
-
-
 def _pixels(image: bpy.types.Image | None) -> np.ndarray | None:
     """Return an image as (h, w, 4) float32 in scene linear colors, downsampled to at most `_MOST_PIXELS`.
 
@@ -310,13 +306,6 @@ def _halved(pixels: np.ndarray) -> np.ndarray:
                 odd = np.concatenate([odd, even[-1:] if axis == 0 else even[:, -1:]], axis=axis)
             pixels = 0.5 * (even + odd)
     return pixels
-
-
-def render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
-    """Return the color attribute for renders."""
-    colors = mesh.color_attributes
-    index = colors.render_color_index
-    return colors[index] if 0 <= index < len(colors) else None
 
 
 def _groups(mesh: bpy.types.Mesh, names: Sequence[str]) -> dict[str, np.ndarray]:

@@ -16,8 +16,8 @@ from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
 from ..element_values import element_values, triangle_corners, triangle_polygons, write_attribute
 from ..joined_shapes import OWN_POSITION
+from ..rendered_maps import render_colors, render_uv_map
 from ..shown_nodes import nodes_of
-from .appearance import render_colors, render_uv_map
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
 from .frozen_inputs import FrozenInput
 from .look_groups import CarriedNames

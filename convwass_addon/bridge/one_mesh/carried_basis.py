@@ -18,7 +18,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
 from ..element_values import MeshTriangles, triangle_materials, vectors_of
-from ..morphs.appearance import render_uv_map
+from ..rendered_maps import render_uv_map
 from ..uv_maps import read_uvs, uv_names, write_uvs
 from ..vertex_groups import group_names, read_groups, write_group
 

@@ -12,7 +12,7 @@ from ...errors import InputError
 from ...geometry.normals import doubled_areas, triangle_areas
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..element_values import element_values, triangle_corners, vectors_of
-from ..morphs.appearance import render_uv_map
+from ..rendered_maps import render_uv_map
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 
