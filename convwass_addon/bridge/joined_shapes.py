@@ -16,9 +16,10 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
-from .node_math import joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
+from .node_math import feed, joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
+from .object_materials import with_own_materials
 from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh
 from .rendered_maps import render_with, share_colors, share_uv_map
 from .sequence import MODIFIER, frame_group, mirrors, object_info, transformed
@@ -108,7 +109,7 @@ def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> b
     """
     if any((part.type not in ("MESH", "META") and not shows_collection(part)) or has_copies(part) for part in parts):
         return None
-    return joined(tree, [_realized(tree, _as_instance(tree, part)) for part in parts])
+    return joined(tree, [_realized(tree, instance) for part in parts for instance in _as_instances(tree, part)])
 
 
 def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
@@ -294,11 +295,40 @@ def _geometry_of(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.N
     return object_info(tree, obj, space="RELATIVE").outputs["Geometry"]
 
 
-def _as_instance(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
-    info = object_info(tree, part, space="RELATIVE")
-    info.inputs["As Instance"].default_value = True
+def _as_instances(
+    tree: bpy.types.NodeTree, part: bpy.types.Object, outside: bpy.types.NodeSocket | None = None
+) -> list[bpy.types.NodeSocket]:
+    """Return instances of a part, or of all that an Empty shows, in the space of the modified object.
+
+    Objects of instanced collections are moved from the world by the matrix `outside`.
+    """
+    place = object_info(tree, part, space="RELATIVE" if outside is None else "ORIGINAL").outputs["Transform"]
+    if outside is not None:
+        place = _product(tree, outside, place)
+    if not shows_collection(part):
+        return [_as_instance(tree, part, place)]
+    offset = Matrix.Translation(part.instance_collection.instance_offset).inverted()
+    inside = _product(tree, place, matrix_node(tree, offset))
+    return [one for own in instanced_parts(part) for one in _as_instances(tree, own, inside)]
+
+
+def _as_instance(tree: bpy.types.NodeTree, part: bpy.types.Object, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return an instance of a part at a place."""
+    shown = with_own_materials(tree, object_info(tree, part).outputs["Geometry"], part)
     position = tree.nodes.new("GeometryNodeInputPosition").outputs["Position"]
-    return stored_attribute(tree, info.outputs["Geometry"], OWN_POSITION, position, "FLOAT_VECTOR")
+    positioned = stored_attribute(tree, shown, OWN_POSITION, position, "FLOAT_VECTOR")
+    instance = new_node(tree, "GeometryNodeGeometryToInstance", {"Geometry": positioned}).outputs["Instances"]
+    inputs = {"Instances": instance, "Transform": place}
+    return new_node(tree, "GeometryNodeSetInstanceTransform", inputs).outputs["Instances"]
+
+
+def _product(
+    tree: bpy.types.NodeTree, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """Return the product of two matrices."""
+    node = tree.nodes.new("FunctionNodeMatrixMultiply")
+    feed(tree, node.inputs, [first, second])
+    return node.outputs["Matrix"]
 
 
 def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -336,7 +366,8 @@ def _checked_output(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> N
 
 def _solids(tree: bpy.types.NodeTree, part: bpy.types.Object, made: NodesOutput) -> bpy.types.NodeSocket:
     """Return all surfaces of a part that is not only a mesh."""
-    realized = _realized(tree, _as_instance(tree, part))
+    (instance,) = _as_instances(tree, part)
+    realized = _realized(tree, instance)
     kinds = new_node(tree, "GeometryNodeSeparateComponents", {"Geometry": realized}).outputs
     found = [kinds["Mesh"]]
     if made.strands:

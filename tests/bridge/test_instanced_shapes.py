@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.joined_shapes import joined_shape
+from convwass_addon.bridge.joined_shapes import joined_shape, shown_live
+from convwass_addon.bridge.node_math import joined, new_node
 from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.sequence import frame_group
 from convwass_addon.bridge.shape_sources import shape_source
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.affine import transformed_points
@@ -91,20 +93,62 @@ def test_disabled_collections_are_left_out(make_object, library, body, shown):
     assert _volume(shown) == pytest.approx(OCTAHEDRON)
 
 
-def test_objects_of_one_mesh_keep_their_own_materials(library, body, shown):
-    """Also in an instance within the instance."""
+@pytest.fixture
+def variants(library, body, shown):
+    """Objects of the mesh of the body with materials of their own, one of them in an instance within the instance."""
     of_mesh, *others = (bpy.data.materials.new(name) for name in ("Of Mesh", "Of Twin", "Of Nested"))
     body.data.materials.append(of_mesh)
     twin, nested = (_move(linked(name, body.data), library) for name in ("Twin", "Nested"))
-    inner = bpy.data.collections.new("Inner")
-    _move_to_instance(nested, library, inner)
+    _move_to_instance(nested, library, bpy.data.collections.new("Inner"))
     for obj, material, x in ((twin, others[0], 5), (nested, others[1], 10)):
         obj.location.x = x
         obj.material_slots[0].link, obj.material_slots[0].material = "OBJECT", material
+    return body, twin, nested
+
+
+def _materials(mesh):
+    """Return the names of the materials of faces by their place."""
+    return {round(face.center.x / 5): mesh.materials[face.material_index].name for face in mesh.polygons}
+
+
+def test_objects_of_one_mesh_keep_their_own_materials(variants, shown):
     with _joined(shown) as whole:
-        materials = whole.data.materials
-        found = {round(face.center.x / 5): materials[face.material_index].name for face in whole.data.polygons}
-    assert found == {0: "Of Mesh", 1: "Of Twin", 2: "Of Nested"}
+        assert _materials(whole.data) == {0: "Of Mesh", 1: "Of Twin", 2: "Of Nested"}
+
+
+def test_ends_that_stay_animated_show_what_is_read(make_object, library, variants, shown):
+    """Mirrored, moved by the offset of the collection, and without a cutter."""
+    _cutter(_move(make_object("Helper"), library))
+    library.instance_offset, shown.scale = (0, 7, 0), (1, 1, -2)
+    bpy.data.objects["Within"].scale.y = -1
+    tree = frame_group("Live")
+    new_node(tree, "NodeGroupOutput", {"Geometry": shown_live(tree, [shown])})
+    live = linked("Live", bpy.data.meshes.new("Live"))
+    live.modifiers.new("Live", "NODES").node_group = tree
+    with _joined(shown) as whole:
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        read, seen = triangle_mesh(whole, depsgraph), triangle_mesh(live, depsgraph)
+        assert _materials(live.evaluated_get(depsgraph).data) == _materials(whole.data)
+        assert (seen.volume, read.volume) == pytest.approx((6 * OCTAHEDRON, 6 * OCTAHEDRON))
+        np.testing.assert_allclose(seen.bounds, read.bounds, atol=1e-5)
+
+
+def test_an_object_with_instances_keeps_its_own_materials(make_object):
+    """Those of the instances are other ones."""
+    of_mesh, own, other = (bpy.data.materials.new(name) for name in ("Of Mesh", "Own", "Other"))
+    tree = frame_group("Scatter")
+    lone = new_node(tree, "GeometryNodeMeshCube")
+    cube = new_node(tree, "GeometryNodeSetMaterial", {"Geometry": lone.outputs["Mesh"], "Material": other})
+    instance = new_node(tree, "GeometryNodeGeometryToInstance", {"Geometry": cube.outputs["Geometry"]})
+    moved = new_node(tree, "GeometryNodeTransform", {0: instance.outputs["Instances"], "Translation": (5, 0, 0)})
+    base = tree.nodes.new("NodeGroupInput").outputs["Geometry"]
+    new_node(tree, "NodeGroupOutput", {"Geometry": joined(tree, [base, moved.outputs["Geometry"]])})
+    obj = make_object("Base")
+    obj.data.materials.append(of_mesh)
+    obj.material_slots[0].link, obj.material_slots[0].material = "OBJECT", own
+    obj.modifiers.new("Scatter", "NODES").node_group = tree
+    with _joined(obj) as whole:
+        assert _materials(whole.data) == {0: "Own", 1: "Other"}
 
 
 def _move_to_instance(obj, outer, inner):
