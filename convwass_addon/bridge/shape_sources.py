@@ -14,7 +14,7 @@ from functools import cached_property
 import bpy
 
 from ..errors import InputError
-from .flat.flat_kinds import is_shape
+from .flat.flat_kinds import is_image, is_shape
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""
@@ -56,8 +56,8 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
         `OBJECTS`: the object alone, or all metaballs that are joined with it; an Empty that instances a collection is a
         shape, too. `PARENTS`: its topmost parent with all children. `COLLECTIONS`: all objects of its collection and
         nested ones; an object only in the scene's own collection is a shape by itself. Parts that are disabled in
-        viewports, disabled in renders while visible, displayed as wires or bounds, or excluded from the view layer are
-        left out, unless there are no others.
+        viewports, disabled in renders while visible, displayed as wires or bounds, excluded from the view layer, or
+        images for reference are left out, unless there are no others.
     """
     return shape_sources([obj], grouping)[0]
 
@@ -246,7 +246,8 @@ def _is_left_out(obj: bpy.types.Object) -> bool:
 
 def _is_helper(obj: bpy.types.Object) -> bool:
     # Inputs hidden by a bake are hidden in the viewport and disabled in renders, so they still count.
-    return obj.hide_viewport or obj.display_type in _HELPERS or (obj.hide_render and obj.visible_get())
+    is_drawn = obj.display_type not in _HELPERS and not is_image(obj)
+    return obj.hide_viewport or not is_drawn or (obj.hide_render and obj.visible_get())
 
 
 def _family(metaball: bpy.types.Object) -> str:

@@ -173,6 +173,18 @@ def test_excluded_parts_are_left_out(bare_scene, add):
     assert set(shape_source(body, "COLLECTIONS").parts) == {body, cutter}
 
 
+@pytest.mark.parametrize("grouping", ["PARENTS", "COLLECTIONS"])
+def test_images_for_reference_are_left_out(bare_scene, add, grouping):
+    body = add("Body", collection=new_collection("Hero", bare_scene.collection))
+    image = bpy.data.objects.new("Front View", None)
+    image.empty_display_type, image.data = "IMAGE", bpy.data.images.new("Front View", 8, 8)
+    bpy.data.collections["Hero"].objects.link(image)
+    image.parent = body
+    assert read(body, grouping).volume == pytest.approx(OCTAHEDRON)
+    bpy.data.objects.remove(body)
+    assert shape_source(image, grouping).parts == (image,)
+
+
 @pytest.mark.parametrize("hidden", [False, True])
 def test_an_empty_that_shows_a_collection_is_a_shape(add, hidden):
     """Collections in collections, mirrored twice and once more, and moved by the collection's offset."""
