@@ -20,7 +20,7 @@ from .node_math import feed, joined, matrix_node, named_attribute, new_node, sto
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
 from .object_materials import with_own_materials
-from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh
+from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh, use_existing_slots
 from .rendered_maps import render_with, share_colors, share_uv_map
 from .sequence import MODIFIER, frame_group, mirrors, object_info, transformed
 from .shape_sources import ShapeSource, instanced_parts, shows_collection
@@ -272,6 +272,7 @@ def _own_mesh(
     if is_empty:
         return None
     mesh = _kept_for_now(frozen_copy(part, depsgraph, _MESHED), temporary)
+    use_existing_slots(mesh)
     own = transformed_points(vectors_of(mesh.vertices), np.array(part.matrix_world.inverted_safe()))
     write_attribute(mesh, OWN_POSITION, "FLOAT_VECTOR", own)
     return mesh

@@ -323,6 +323,13 @@ def take_own_materials(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> None:
             mesh.materials[place] = slot.material
 
 
+def use_existing_slots(mesh: bpy.types.Mesh) -> None:
+    """Give the faces of slots that a mesh does not have its last one, as renders show them; nodes take the first."""
+    slots, last = element_values(mesh.polygons, "material_index", kind=np.int32), max(len(mesh.materials) - 1, 0)
+    if len(slots) and slots.max() > last:
+        mesh.polygons.foreach_set("material_index", np.minimum(slots, last))
+
+
 def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons | None = None) -> None:
     """Replace the geometry of a mesh, with smooth shading.
 

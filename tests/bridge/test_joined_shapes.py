@@ -114,6 +114,20 @@ def test_a_collection_is_one_shape_with_all_materials_and_groups(bare_scene, add
         assert triangle_mesh(joined, depsgraph).volume == pytest.approx(2 * OCTAHEDRON)
 
 
+def test_faces_of_missing_slots_have_the_last_material(bare_scene, add):
+    """As in renders."""
+    hero = new_collection("Hero", bare_scene.collection)
+    hat, body = add("A Hat", (9, 0, 0), collection=hero), add("Body", collection=hero)
+    body.data.materials.append(bpy.data.materials.new("Trim"))
+    for obj in (hat, body):
+        obj.data.polygons.foreach_set("material_index", [7] * len(obj.data.polygons))
+    bpy.context.view_layer.update()
+    with joined_shape(shape_source(body, "COLLECTIONS"), bpy.context.evaluated_depsgraph_get()) as joined:
+        materials = joined.data.materials
+        shown = {(face.center.x > 4, materials[face.material_index].name) for face in joined.data.polygons}
+    assert shown == {(True, "Hat"), (False, "Trim")}
+
+
 def test_nested_collections_belong_to_the_outer_one(bare_scene, add):
     """Their objects may come first by name, and may be selected, too."""
     hero = new_collection("Hero", bare_scene.collection)
