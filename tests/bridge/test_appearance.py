@@ -116,6 +116,21 @@ def test_without_material_the_object_has_its_color_or_that_of_its_attribute(make
     np.testing.assert_allclose(found[:, :1], heights, atol=1e-5)
 
 
+def test_empty_slots_beside_others_are_gray_in_all_frames(make_object):
+    """As the ends are in renders, whatever the color of the object."""
+    inputs = []
+    for name in "AB":
+        obj = add_shape(make_object, name, ball(points=200), material(name, RED), None)
+        obj.data.polygons.foreach_set("material_index", [1] * len(obj.data.polygons))
+        paint(obj, np.tile(GREEN, (len(obj.data.vertices), 1)))
+        obj.color = GREEN
+        inputs.append(obj)
+    first, between, _ = (frame.data for frame in frame_objects(bake(inputs)))
+    assert [own and own.name for own in first.materials] == ["A", None]
+    colors = values(between, "Color", "color", 4)
+    np.testing.assert_allclose(colors, [(0.8, 0.8, 0.8, 1)] * len(colors), atol=0.005)
+
+
 @pytest.mark.parametrize(
     ("domain", "kind"), [("CORNER", "BYTE_COLOR"), ("POINT", "BYTE_COLOR"), ("CORNER", "FLOAT_COLOR")]
 )

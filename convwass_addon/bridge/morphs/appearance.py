@@ -30,6 +30,8 @@ _NORMAL_STEPS = np.float32(1024)
 _ROUNDED = 1e-2
 # Images are halved to at most this size, since the vertices of frames are much farther apart than pixels.
 _MOST_PIXELS = 1024
+# What renders show in empty slots beside others.
+_UNASSIGNED = Plain((0.8, 0.8, 0.8, 1.0))
 
 
 def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = ()) -> Appearance:
@@ -37,7 +39,7 @@ def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: S
 
     A material has the color of its Principled BSDF: the first image or color attribute linked to it, or its plain
     color. Without either, it has its viewport color. A mesh without materials has the render color attribute, or the
-    color of its object.
+    color of its object; faces without a material beside others are light gray, as in renders.
 
     Parameters
     ----------
@@ -224,6 +226,8 @@ def _paint(
     faces: np.ndarray,
     loops: np.ndarray,
 ) -> Paint:
+    if material is None and any(mesh.materials):
+        return _UNASSIGNED
     if material is None:
         attribute = render_colors(mesh)
         return Plain(tuple(color)) if attribute is None else _painted(attribute, faces, loops)

@@ -37,7 +37,7 @@ class FrozenInput:
     parts: tuple[Handle, ...] = ()
     """The objects of the input if it has several; empty otherwise."""
     values: ObjectValues = field(default_factory=ObjectValues)
-    """What materials read of the object; its color is used for parts without a material."""
+    """What materials read of the object; its color is used if it has no material."""
     groups: tuple[str, ...] = ()
     """Names of the vertex groups in order."""
     shown: Handle | None = None
