@@ -271,6 +271,22 @@ def test_instances_of_a_shape_are_reported_as_left_out(monkeypatch, capfd):
     assert "Instances that Second shows are left out" in capfd.readouterr().out
 
 
+def test_shapes_of_which_one_object_is_used_are_named(monkeypatch, capfd):
+    first, _second = hook("First", 0.0), hook("Second", 0.5)
+    wheel = hook("Wheel", 0.0)
+    wheel.parent = first
+
+    def known(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [path_to(names[1], (1.0,), [shapes[1].vertices])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", known)
+    bpy.ops.convwass.bake_morph(inputs="First,Second", grouping="PARENTS", **QUICK)
+    told = capfd.readouterr().out
+    assert "Of First, shape keys only use First; join its objects" in told
+    assert "Of Second" not in told
+
+
 @pytest.mark.parametrize(
     ("output", "changed", "is_named"),
     [

@@ -20,7 +20,7 @@ from ..morphs.hidden_inputs import hide_shapes
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import store
 from ..object_copies import has_copies
-from ..shape_sources import shape_sources
+from ..shape_sources import ShapeSource, shape_sources
 from .key_basis import KeyBasis
 from .own_space import own_space_notices
 from .records import described_bake
@@ -56,6 +56,7 @@ class KeyJob:
         keyed = inputs[: 2 if request.two_meshes else 1]
         self.notices = [notice for obj in keyed for notice in (*pose_notices(obj), *own_space_notices(obj))]
         self.notices.extend(animation_notices(inputs))
+        self.notices.extend(_notices_of_groups(shape_sources(inputs, request.grouping)))
 
     def _notice_instances(self, inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
         """Add a notice for each shape that shows instances, which have no vertices of its mesh."""
@@ -88,3 +89,15 @@ class KeyJob:
         store(obj, self._stored)
         store_signatures(obj, self._signatures)
         hide_shapes(obj, found(self._inputs) if hide else (), scene)
+
+
+def _notices_of_groups(sources: Sequence[ShapeSource]) -> list[Sentence]:
+    """Return a notice for each shape of several objects, of which only one is used."""
+    return [
+        Sentence(
+            "Of {name}, shape keys only use {object}; join its objects to one mesh to use all of them.",
+            {"name": source.name, "object": source.root.name},
+        )
+        for source in sources
+        if len(source.parts) > 1
+    ]
