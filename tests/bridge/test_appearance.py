@@ -127,6 +127,7 @@ def test_empty_slots_beside_others_are_gray_in_all_frames(make_object):
         inputs.append(obj)
     first, between, _ = (frame.data for frame in frame_objects(bake(inputs)))
     assert [own and own.name for own in first.materials] == ["A", None]
+    assert [own.name for own in between.materials] == ["Morph A and B.001"]
     colors = values(between, "Color", "color", 4)
     np.testing.assert_allclose(colors, [(0.8, 0.8, 0.8, 1)] * len(colors), atol=0.005)
 

@@ -103,7 +103,7 @@ class MixedMaterials:
     Parameters
     ----------
     name : str
-        Name of the material of the first slots; Blender may append a number.
+        Name of the material of the first slots, and of that of empty ones; Blender may append a number.
     slots : sequence of sequence of bpy.types.Material or None
         The material slots of every input, at least one each.
     looks : WholeLooks, optional
@@ -116,7 +116,7 @@ class MixedMaterials:
         slots: Sequence[Sequence[bpy.types.Material | None]],
         looks: WholeLooks | None = None,
     ) -> None:
-        self._looks = looks
+        self._looks, self._name = looks, name
         self._values = [[ShaderValues.of(own) for own in slots_of] for slots_of in slots]
         self._settings = [[_settings(own) for own in slots_of] for slots_of in slots]
         self._names = [["" if own is None else own.name for own in slots_of] for slots_of in slots]
@@ -128,7 +128,8 @@ class MixedMaterials:
         key = tuple(slots)
         if key not in self._made:
             own = [names[slot] for names, slot in zip(self._names, key, strict=True)]
-            self._make(key, "Morph " + " and ".join(dict.fromkeys(filter(None, own))))
+            named = " and ".join(dict.fromkeys(filter(None, own)))
+            self._make(key, f"Morph {named}" if named else self._name)
         return self._made[key].find()
 
     @property
