@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import bpy
 
 from .element_values import element_values, write_attribute
+from .morphs.frame_attributes import COLOR
 
 _SHARED_UVS, _SHARED_COLORS = "UVs of Parts", "Colors of Parts"
 
@@ -55,6 +56,29 @@ def render_with(mesh: bpy.types.Mesh, uv_map: str, colors: str) -> None:
     if colors in mesh.color_attributes:
         attributes = mesh.color_attributes
         attributes.active_color_index = attributes.render_color_index = attributes.find(colors)
+
+
+def put_rendered_first(mesh: bpy.types.Mesh) -> None:
+    """Make the UV map that renders use the first one, which they use where nodes show the mesh as a part of another."""
+    shown = render_uv_map(mesh)
+    if shown is None or shown == mesh.uv_layers[0]:
+        return
+    active = mesh.uv_layers.active.name if mesh.uv_layers.active else shown.name
+    names = sorted((layer.name for layer in mesh.uv_layers), key=lambda name: name != shown.name)
+    values = {name: element_values(mesh.uv_layers[name].uv, "vector", 2) for name in names}
+    for name in names:
+        mesh.uv_layers.remove(mesh.uv_layers[name])
+    for name, own in values.items():
+        write_attribute(mesh, name, "FLOAT2", own, "CORNER")
+    mesh.uv_layers.active = mesh.uv_layers[active]
+    mesh.uv_layers[0].active_render = True
+
+
+def take_color_name(table: bpy.types.Mesh, frames: Iterable[bpy.types.ID]) -> None:
+    """Let renders of a table by which nodes show frames use the colors that they use on the shapes among these."""
+    meshes = (data for data in frames if isinstance(data, bpy.types.Mesh))
+    names = (own.name for mesh in meshes if (own := render_colors(mesh)) is not None)
+    table.attributes.default_color_name = next((name for name in names if name != COLOR), "")
 
 
 def _shared_name(shown: Sequence[tuple[bpy.types.Mesh, str]], otherwise: str) -> str:

@@ -8,8 +8,14 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import corner_vertices, element_values
 from convwass_addon.bridge.joined_shapes import joined_shape
+from convwass_addon.bridge.morphs.frozen_inputs import frozen_inputs
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.rendered_maps import render_colors, render_uv_map
 from convwass_addon.bridge.shape_sources import shape_source
 
@@ -98,3 +104,35 @@ def test_a_mirrored_object_keeps_its_rendered_maps(add):
     body = with_uv_maps(with_colors(add("A"), "Col", "FLOAT_COLOR", "POINT", Mask=0.25, Col=0.5), "UV", Other=0, UV=1)
     body.scale.x = -1
     assert (rendered(body, colors), rendered(body, uvs)) == ([[0.5]], [[1.0]])
+
+
+def test_ends_in_a_player_show_the_rendered_maps_of_their_shapes(add):
+    """Blender's own rendering uses the first UV map of what nodes join, and no colors."""
+    inputs = [
+        with_colors(
+            with_uv_maps(add(name), "UV", Other=0.25, UV=0.5), "Col", "FLOAT_COLOR", "CORNER", Mask=0.25, Col=0.5
+        )
+        for name in "AB"
+    ]
+    bpy.context.view_layer.update()
+    job = MorphJob(inputs, path_blends(2, 2), MorphSettings(16, motion="transport"), {}, 1)
+    for step in job.steps(computation=Computation(workers=1)):
+        job.write(step)
+    player = make_player(job.finish(hide_inputs=True))
+    for frame in (1, 3):
+        bpy.context.scene.frame_set(frame)
+        mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        assert len(mesh.polygons) == 8
+        np.testing.assert_allclose(element_values(render_uv_map(mesh).uv, "vector", 2), 0.5)
+        np.testing.assert_allclose(colors(mesh), 0.5)
+
+
+def test_an_end_keeps_its_uv_maps(add):
+    """The one that renders use comes first; the active one and the values stay."""
+    inputs = [with_uv_maps(add("A"), "UV", Other=0.25, UV=0.5), add("B")]
+    inputs[0].data.uv_layers.active = inputs[0].data.uv_layers["Other"]
+    bpy.context.view_layer.update()
+    (mesh, _) = (own.mesh.find() for own in frozen_inputs([shape_source(obj) for obj in inputs], [None, None]))
+    assert {layer.name: float(layer.uv[0].vector[0]) for layer in mesh.uv_layers} == {"UV": 0.5, "Other": 0.25}
+    assert [layer.name for layer in mesh.uv_layers] == ["UV", "Other"]
+    assert (mesh.uv_layers.active.name, render_uv_map(mesh).name) == ("Other", "UV")

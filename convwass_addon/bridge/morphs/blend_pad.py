@@ -24,6 +24,7 @@ from ..node_math import joined, math_node, new_node, pick, switch
 from ..node_trees import GroupInput, add_inputs
 from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..render_settings import take_render_settings
+from ..rendered_maps import take_color_name
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, table_object
 from .frame_colors import colored, made_for, seen_materials
 from .frame_switch import FrameSwitch
@@ -255,6 +256,7 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
         shown.append(colored(tree, small.outputs["Geometry"], tuple(frame.color), corners))
     output(tree, joined(tree, shown), 1)
     copies = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners))
+    take_color_name(copies.data, [obj.data for obj in corners])
     copies.parent = pad
     copies.hide_render = copies.hide_select = True
     return copies
@@ -299,6 +301,7 @@ def _result(
         color = switch(tree, "RGBA", interpolates, color, mixed.color)
     output(tree, colored(tree, shown, color, sheet.frames), 1)
     shown = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
+    take_color_name(shown.data, [obj.data for obj in sheet.frames])
     take_render_settings(shown, sheet.frames)
     for name, part in ((PAD, pad), (HANDLE, handle)):
         node_input(shown.modifiers[MODIFIER], name).set(part)

@@ -24,6 +24,7 @@ from ..keyframes import drivers_of
 from ..mouse_progress import progress_at_mouse
 from ..node_math import matrix_node, new_node
 from ..objects import MESHED, frozen_copy, triangle_mesh
+from ..rendered_maps import put_rendered_first
 from ..sequence import MODIFIER, frame_group, transformed
 from ..shape_sources import ShapeSource
 from ..unused_data import removed_on_errors
@@ -110,6 +111,7 @@ def followed_inputs(
                         readings[index].add(blend.frame, mesh if move is None else move.moved(mesh))
                         if blend.source == index:
                             stations[index] = frozen_copy(obj, depsgraph, MESHED)
+                            put_rendered_first(stations[index])
                             stations[index].transform(Matrix.Identity(4) if move is None else Matrix(move.matrix))
     times = {blend.source: float(blend.frame) for blend in blends if blend.source is not None}
     shapes = [ShapeAnimation(tuple(map(float, own.times)), tuple(own.meshes)) for own in readings]

@@ -17,6 +17,7 @@ from ..handles import Handle
 from ..joined_shapes import current_shapes, joined_shape
 from ..object_values import ObjectValues
 from ..objects import MESHED, frozen_copy
+from ..rendered_maps import put_rendered_first
 from ..shape_sources import ShapeSource
 from ..unused_data import removed_on_errors
 from .materials import input_color
@@ -59,6 +60,7 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
         for source, move in zip(sources, moves, strict=True):
             with joined_shape(source, depsgraph) as obj:
                 meshes.append(frozen_copy(obj, depsgraph, MESHED))
+                put_rendered_first(meshes[-1])
                 place = np.array(obj.matrix_world)
                 if move is not None:
                     meshes[-1].transform(Matrix(move.matrix))

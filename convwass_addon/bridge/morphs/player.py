@@ -20,6 +20,7 @@ from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
 from ..node_trees import GroupInput, add_inputs
 from ..render_settings import take_render_settings
+from ..rendered_maps import take_color_name
 from ..sequence import (
     along_x,
     frame_group,
@@ -104,6 +105,7 @@ def build_player(
     _add_inputs(tree, sampled is not None)
     _fill(tree, collection, frames, fields)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
+    take_color_name(player.data, [obj.data for obj in frames])
     take_render_settings(player, frames)
     adopt(collection, [player, *made_for(tree)])
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
@@ -147,6 +149,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         _fill(tree, collection, frames, fields)
         adopt(collection, made_for(tree))
         write_table(player.data, _table(frames), seen_materials(tree, frames))
+        take_color_name(player.data, [obj.data for obj in frames])
     remove_unused(collection)
     drop_numbers(set(adopted(collection)) - before)
 
