@@ -13,11 +13,16 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import corner_vertices, element_values
 from convwass_addon.bridge.joined_shapes import joined_shape
+from convwass_addon.bridge.morphs.dense_bake import bake_player
 from convwass_addon.bridge.morphs.frozen_inputs import frozen_inputs
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.player import make_player
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_math import new_node
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.rendered_maps import render_colors, render_uv_map
 from convwass_addon.bridge.shape_sources import shape_source
+from convwass_addon.progress import drained
 
 
 @pytest.fixture
@@ -106,6 +111,14 @@ def test_a_mirrored_object_keeps_its_rendered_maps(add):
     assert (rendered(body, colors), rendered(body, uvs)) == ([[0.5]], [[1.0]])
 
 
+def player_of(inputs, steps):
+    bpy.context.view_layer.update()
+    job = MorphJob(inputs, path_blends(2, steps), MorphSettings(16, motion="transport"), {}, 1)
+    for step in job.steps(computation=Computation(workers=1)):
+        job.write(step)
+    return make_player(job.finish(hide_inputs=True))
+
+
 def test_ends_in_a_player_show_the_rendered_maps_of_their_shapes(add):
     """Blender's own rendering uses the first UV map of what nodes join, and no colors."""
     inputs = [
@@ -114,11 +127,7 @@ def test_ends_in_a_player_show_the_rendered_maps_of_their_shapes(add):
         )
         for name in "AB"
     ]
-    bpy.context.view_layer.update()
-    job = MorphJob(inputs, path_blends(2, 2), MorphSettings(16, motion="transport"), {}, 1)
-    for step in job.steps(computation=Computation(workers=1)):
-        job.write(step)
-    player = make_player(job.finish(hide_inputs=True))
+    player = player_of(inputs, 2)
     for frame in (1, 3):
         bpy.context.scene.frame_set(frame)
         mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
@@ -136,3 +145,18 @@ def test_an_end_keeps_its_uv_maps(add):
     assert {layer.name: float(layer.uv[0].vector[0]) for layer in mesh.uv_layers} == {"UV": 0.5, "Other": 0.25}
     assert [layer.name for layer in mesh.uv_layers] == ["UV", "Other"]
     assert (mesh.uv_layers.active.name, render_uv_map(mesh).name) == ("Other", "UV")
+
+
+def test_frames_baked_of_a_player_have_the_active_uv_map_of_the_nearest_shape(add):
+    """Exporters write that one."""
+    inputs = [with_uv_maps(add(name), "UV", UV=0.5) for name in "AB"]
+    textured = bpy.data.materials.new("Textured")
+    tree = own_tree(textured)
+    image = new_node(tree, "ShaderNodeTexImage")
+    image.image = bpy.data.images.new("Image", 8, 8)
+    tree.links.new(image.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    for obj in inputs:
+        obj.data.materials.append(textured)
+    frames = frame_objects(drained(bake_player(player_of(inputs, 3), range(1, 5), 1)))
+    assert [obj.data.uv_layers.active.name for obj in frames] == ["UV", "uv_1_UV", "uv_2_UV", "UV"]
+    assert all(obj.data.uv_layers.active == render_uv_map(obj.data) for obj in frames)

@@ -19,6 +19,7 @@ from ..animation_time import returning, show_time
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import evaluated_mesh, place_mesh, take_own_materials
+from .frame_attributes import CARRIED_UV
 from .hidden_inputs import copy_hidden
 from .player_inputs import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
@@ -112,8 +113,19 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
     mesh.name = f"Frame {number + 1:04d}"
     obj = bpy.data.objects.new(mesh.name, mesh)
     place_mesh(obj, evaluated.matrix_world)
-    obj[INDEX_KEY], obj[FRAME_KEY], obj[WEIGHTS_KEY] = number, number, _weights(player)
+    weights = _weights(player)
+    obj[INDEX_KEY], obj[FRAME_KEY], obj[WEIGHTS_KEY] = number, number, weights
+    _activate_uv_map(mesh, int(np.argmax(weights)) + 1)
     return obj
+
+
+def _activate_uv_map(mesh: bpy.types.Mesh, number: int) -> None:
+    """Activate a UV map of the shape with a number, as in baked frames; nodes leave none active."""
+    carried = CARRIED_UV.format(number, "")
+    layers = sorted(mesh.uv_layers, key=lambda layer: not layer.name.startswith(carried))
+    if layers:
+        mesh.uv_layers.active = layers[0]
+        layers[0].active_render = True
 
 
 def _weights(player: bpy.types.Object) -> list[float]:
