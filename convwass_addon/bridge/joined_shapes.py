@@ -18,9 +18,17 @@ from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
 from .node_math import feed, joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
-from .object_copies import copied, copies_of, has_copies
+from .object_copies import copied, copies_of, has_copies, is_copied_by_parent
 from .object_materials import with_own_materials
-from .objects import MESHED, checked_matrix, checked_vertices, evaluated_mesh, frozen_copy, transform_mesh, use_existing_slots
+from .objects import (
+    MESHED,
+    checked_matrix,
+    checked_vertices,
+    evaluated_mesh,
+    frozen_copy,
+    transform_mesh,
+    use_existing_slots,
+)
 from .rendered_maps import render_with, share_colors, share_uv_map
 from .sequence import MODIFIER, frame_group, mirrors, object_info, transformed
 from .shape_sources import ShapeSource, instanced_parts, shows_collection
@@ -144,11 +152,7 @@ def _independent_parts(sources: Sequence[ShapeSource]) -> list[bpy.types.Object]
     groups = {own.instance_collection for own in (*bpy.data.particles, *bpy.data.objects)} - {None}
     copied = {obj for group in groups for obj in group.all_objects}
     parts = [part for source in sources for part in source.parts]
-    return [part for part in parts if part.type != "META" and part not in copied and not _has_copying_parent(part)]
-
-
-def _has_copying_parent(obj: bpy.types.Object) -> bool:
-    return obj.parent is not None and has_copies(obj.parent)
+    return [part for part in parts if part.type != "META" and part not in copied and not is_copied_by_parent(part)]
 
 
 def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> bpy.types.Mesh:
@@ -209,7 +213,9 @@ def _instanced_piece(
         inside = place @ evaluated.matrix_world @ offset
     parts = instanced_parts(empty)
     with current_objects(parts, depsgraph):
-        pieces = [_piece(part, depsgraph, temporary, inside) for part in parts]
+        # Unlike in scenes, objects that their parent copies are not shown themselves.
+        shown = [part for part in parts if not is_copied_by_parent(part)]
+        pieces = [_piece(part, depsgraph, temporary, inside) for part in shown]
     return partial(_all_of, pieces=pieces)
 
 

@@ -50,6 +50,11 @@ def has_copies(obj: bpy.types.Object) -> bool:
     )
 
 
+def is_copied_by_parent(obj: bpy.types.Object) -> bool:
+    """Return whether the parent of an object shows copies of it at its vertices or faces."""
+    return obj.parent is not None and obj.parent.instance_type in _AT_ELEMENTS
+
+
 def copies_of(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[Copies]:
     """Return what an object for which `has_copies` is true copies, in the current frame."""
     found: dict[bpy.types.Object, list[NDArray[np.float64]]] = {}

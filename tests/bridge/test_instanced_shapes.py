@@ -176,3 +176,13 @@ def test_the_broken_object_of_an_instance_is_named(body, shown, inventory):
     with pytest.raises(InputError, match="Body: 1 of 6 vertices"):
         _volume(shown)
     assert inventory() == before
+
+
+def test_copies_at_vertices_are_shown_without_their_original(make_object, library, body, shown):
+    copied = _move(make_object("Copied"), library)
+    copied.parent, copied.scale = body, (0.1, 0.1, 0.1)
+    body.instance_type = "VERTS"
+    bpy.context.view_layer.update()
+    instances = bpy.context.evaluated_depsgraph_get().object_instances
+    assert sum(one.is_instance and one.object.original == copied for one in instances) == 6
+    assert _volume(shown) == pytest.approx((1 + 6 / 1000) * OCTAHEDRON)
