@@ -119,20 +119,28 @@ def player_of(inputs, steps):
     return make_player(job.finish(hide_inputs=True))
 
 
-def test_ends_in_a_player_show_the_rendered_maps_of_their_shapes(add):
-    """Blender's own rendering uses the first UV map of what nodes join, and no colors."""
-    inputs = [
-        with_colors(
-            with_uv_maps(add(name), "UV", Other=0.25, UV=0.5), "Col", "FLOAT_COLOR", "CORNER", Mask=0.25, Col=0.5
-        )
-        for name in "AB"
-    ]
+def ends_in_a_player(inputs):
+    """The meshes that a player shows at both ends."""
     player = player_of(inputs, 2)
     for frame in (1, 3):
         bpy.context.scene.frame_set(frame)
         mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         assert len(mesh.polygons) == 8
+        yield mesh
+
+
+@pytest.mark.skipif(bpy.app.version < (5, 0), reason="nodes sort UV maps by name")
+def test_ends_in_a_player_show_the_rendered_uv_maps_of_their_shapes(add):
+    """Blender's own rendering uses the first UV map of what nodes join."""
+    inputs = [with_uv_maps(add(name), "UV", Other=0.25, UV=0.5) for name in "AB"]
+    for mesh in ends_in_a_player(inputs):
         np.testing.assert_allclose(element_values(render_uv_map(mesh).uv, "vector", 2), 0.5)
+
+
+def test_ends_in_a_player_show_the_rendered_colors_of_their_shapes(add):
+    """Blender's own rendering uses no colors of what nodes join."""
+    inputs = [with_colors(add(name), "Col", "FLOAT_COLOR", "CORNER", Mask=0.25, Col=0.5) for name in "AB"]
+    for mesh in ends_in_a_player(inputs):
         np.testing.assert_allclose(colors(mesh), 0.5)
 
 
