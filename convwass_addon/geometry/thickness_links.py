@@ -15,12 +15,11 @@ from scipy.spatial import cKDTree
 from .edges import mesh_edges, vertex_components
 from .mesh import TriangleMesh
 from .normals import vertex_normals
+from .opposite_sides import opposite_sides
 from .poisson_deformation import Links
 
 # Parts are thin up to this many mean edge lengths; a link may lean by this many mean edge lengths.
 _THIN, _LEANING = 2.0, 1.0
-# Vertices are on opposite sides if the cosine between their normals is below this.
-_OPPOSITE = -0.5
 # Neighbors of a vertex among which the opposite one is sought.
 _NEIGHBORS = 32
 # Weight of a link as long as a mean edge, as of an edge between two equilateral triangles. Weights fall with the square
@@ -48,18 +47,16 @@ def thickness_links(mesh: TriangleMesh) -> Links:
 
 def _opposite_vertices(mesh: TriangleMesh, edge: float) -> NDArray[np.int64]:
     """Return the nearest vertex on the opposite side for every vertex of thin parts, (k, 2), without repetitions."""
-    points, normals, labels = mesh.vertices, vertex_normals(mesh.vertices, mesh.faces), vertex_components(mesh)
+    labels = vertex_components(mesh)
     used = np.flatnonzero(labels >= 0)
-    count, reach = min(_NEIGHBORS, len(used)), float(np.hypot(_THIN, _LEANING)) * edge
-    distances, near = cKDTree(points[used]).query(points[used], count, distance_upper_bound=reach)
-    places, ranks = np.nonzero(np.isfinite(distances))
-    one, other = used[places], used[near[places, ranks]]
+    points, normals, labels = mesh.vertices[used], vertex_normals(mesh.vertices, mesh.faces)[used], labels[used]
+    reach = float(np.hypot(_THIN, _LEANING)) * edge
+    one, other = opposite_sides(cKDTree(points), normals, np.arange(len(used)), _NEIGHBORS, reach)
     across = points[one] - points[other]
     height = np.einsum("kd,kd->k", across, normals[one])
     aside = np.linalg.norm(across - height[:, None] * normals[one], axis=1)
-    facing = np.einsum("kd,kd->k", normals[one], normals[other])
     is_near = (height > 0.0) & (height < _THIN * edge) & (aside < _LEANING * edge)
-    fits = np.flatnonzero(is_near & (facing < _OPPOSITE) & (labels[one] == labels[other]))
+    fits = np.flatnonzero(is_near & (labels[one] == labels[other]))
     # The neighbors of a vertex are sorted by distance.
     nearest = fits[np.unique(one[fits], return_index=True)[1]]
-    return np.unique(np.sort(np.stack([one[nearest], other[nearest]], axis=1), axis=1), axis=0)
+    return np.unique(np.sort(used[np.stack([one[nearest], other[nearest]], axis=1)], axis=1), axis=0)

@@ -17,6 +17,7 @@ from ..one_line import one_line
 from .closest_points import TriangleSamples, closest_in_triangles
 from .mesh import TriangleMesh
 from .normals import triangle_normals
+from .opposite_sides import OPPOSITE
 from .point_tree import point_tree
 from .touching_balls import ball_radii
 
@@ -24,8 +25,6 @@ from .touching_balls import ball_radii
 _COARSE, _FINE = 0.15, 0.07
 # Of spans whose middles are closer together than this, relative to the longest span, one is enough.
 _DISTINCT = 0.05
-# Sides face away from each other if the cosine between their normals is below this.
-_OPPOSITE = -0.5
 
 
 @dataclass(frozen=True)
@@ -108,4 +107,4 @@ class _Sides:
             return begins, np.empty(0, bool)
         missed, ends = self.tree.query(self.points[begins] - across[:, None] * self.normals[begins])
         cosines = np.einsum("nd,nd->n", self.normals[begins], self.normals[ends])
-        return ends, (cosines < _OPPOSITE) & (missed < 0.5 * across + self.spacing)
+        return ends, (cosines < OPPOSITE) & (missed < 0.5 * across + self.spacing)

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from .edge_means import EdgeMeans
 from .mesh import TriangleMesh
 from .normals import area_normals, vertex_normals
+from .opposite_sides import opposite_sides
 from .point_tree import point_tree
 
 # The volume is corrected if its relative error exceeds the first number, by at most the second in cells along the
@@ -23,8 +24,6 @@ _SLIGHT, _THINNED = 0.03, 0.35
 _FADING = 2
 # The opposite side is sought among so many neighbors of a vertex, and first for every so many vertices.
 _NEIGHBORS, _EVERY = 12, 8
-# Sides face away from each other if the cosine between their normals is below this.
-_OPPOSITE = -0.5
 
 
 def with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float, cell: float) -> TriangleMesh:
@@ -81,13 +80,10 @@ def _thicknesses(
 
     It is approximated by the tangent planes of the nearest vertices.
     """
-    distances, near = tree.query(tree.data[some], _NEIGHBORS, distance_upper_bound=longest)
-    places, ranks = np.nonzero(np.isfinite(distances))
-    one, other = some[places], near[places, ranks]
+    places, other = opposite_sides(tree, normals, some, _NEIGHBORS, longest)
+    one = some[places]
     facing = np.einsum("kd,kd->k", normals[one], normals[other])
-    opposite = np.flatnonzero(facing < _OPPOSITE)
-    places, one, other = places[opposite], one[opposite], other[opposite]
-    heights = np.einsum("kd,kd->k", tree.data[one] - tree.data[other], normals[other]) / facing[opposite]
+    heights = np.einsum("kd,kd->k", tree.data[one] - tree.data[other], normals[other]) / facing
     below = (heights > 0.0) & (heights < longest)
     found = np.full(len(some), np.inf)
     np.minimum.at(found, places[below], heights[below])

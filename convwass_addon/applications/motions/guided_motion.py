@@ -35,6 +35,7 @@ from .consistent_maps import composed, composed_ways
 from .corresponding_vertices import corresponding_pair, vertices_correspond
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
+from .laid_meshes import Laid
 from .map_quality import MapQuality, map_quality
 from .mapped_pairs import mapped_pair, registering
 from .motion import MovedShape
@@ -288,10 +289,7 @@ def _make_consistent(
     for (one, other), way in composed_ways(scores, len(carriers)).items():
         with one_blas_thread():
             laid = [composed(carriers, deformations, own, control) for own in (way, way[::-1])]
-            there = split_deformation(carriers[one], carriers[other], laid[0], None, control)
-            back = split_deformation(carriers[other], carriers[one], laid[1], there, control)
-            first = map_quality(carriers[one], carriers[other], there)
-            quality = first.or_worse(map_quality(carriers[other], carriers[one], back))
+            there, back, quality = _split_both(carriers[one], carriers[other], *laid, control)
         deformations[one, other], deformations[other, one] = there, back
         passed = [known[min(step), max(step)] for step in pairwise(way)]
         known[one, other] = GuidedPair(
@@ -323,13 +321,21 @@ def _deformed(
     """Deform two shapes to match each other, as their registration tells; also return how well they do."""
     best = yield from within(registration, 0.0, _LAID)
     yield Progress(_LAID, registering(one, other))
+    there, back, quality = _split_both(one, other, best.laid.first, best.laid.second, control)
+    return there, back, best, quality
+
+
+def _split_both(
+    one: Carrier, other: Carrier, first: Laid, second: Laid, control: Control
+) -> tuple[ShapeDeformation, ShapeDeformation, MapQuality]:
+    """Divide the deformations of two shapes that are laid onto each other; also return how well they match."""
     # The samples of both shapes are needed for both directions.
     both_ways(lambda k: (one, other)[k].samples)
-    there = split_deformation(one, other, best.laid.first, None, control)
-    back = split_deformation(other, one, best.laid.second, there, control)
+    there = split_deformation(one, other, first, None, control)
+    back = split_deformation(other, one, second, there, control)
     ways = (one, other, there), (other, one, back)
-    first, second = both_ways(lambda k: map_quality(*ways[k]))
-    return there, back, best, first.or_worse(second)
+    qualities = both_ways(lambda k: map_quality(*ways[k]))
+    return there, back, qualities[0].or_worse(qualities[1])
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:
