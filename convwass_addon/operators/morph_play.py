@@ -18,7 +18,7 @@ from ..bridge.morphs.player import build_player, require_path
 from ..bridge.morphs.player_inputs import is_player, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
-from ..bridge.morphs.stored import frame_objects, is_solid
+from ..bridge.morphs.stored import frame_objects, interpolates
 from ..bridge.mouse_progress import progress_at_mouse
 from ..bridge.openvdb_module import openvdb_module
 from ..progress import Result, Work, drained, watched
@@ -43,7 +43,7 @@ def _with_cursor(work: Work[Result]) -> Result:
 
 def _fitting_between(operator: bpy.types.Operator, morph: bpy.types.Collection) -> str:
     """Return what this Blender can show between two blends, with a warning if it cannot interpolate."""
-    if operator.between == "INTERPOLATED" and is_solid(morph) and openvdb_module() is None:
+    if interpolates(morph, operator.between) and openvdb_module() is None:
         text = rpt_("The nearest blend is shown; interpolation requires OpenVDB for Python, which this Blender lacks")
         operator.report({"WARNING"}, text)
         return "NEAREST"

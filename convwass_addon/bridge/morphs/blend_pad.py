@@ -32,7 +32,7 @@ from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_inputs import HANDLE, HANDLE_VELOCITY, PAD
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
-from .stored import frame_objects, frame_weights, is_solid, stored_morph
+from .stored import frame_objects, frame_weights, interpolates, stored_morph
 from .stored_fields import StoredFields
 
 if TYPE_CHECKING:
@@ -108,8 +108,8 @@ class _Sheet:
 def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> BlendPad:
     """Sample fields if the pad is to interpolate `between` blends, and run :func:`build_blend_pad`."""
     require_sheet(collection)
-    interpolated = between == "INTERPOLATED" and is_solid(collection)
-    return build_blend_pad(collection, sampled=_sampled(collection) if interpolated else None)
+    sampled = _sampled(collection) if interpolates(collection, between) else None
+    return build_blend_pad(collection, sampled=sampled)
 
 
 def build_blend_pad(collection: bpy.types.Collection, *, sampled: SampledFields | None) -> BlendPad:

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...progress import Control, Progress
 from ..handles import Handle
 from .field_sampling import SampledFields, read_blends, sample_fields
-from .stored import frame_objects, is_solid
+from .stored import frame_objects, interpolates
 
 
 class FieldJob:
@@ -34,9 +34,8 @@ class FieldJob:
 
     def __init__(self, morph: bpy.types.Collection, between: str) -> None:
         frames = frame_objects(morph)
-        is_mixed = between == "INTERPOLATED" and is_solid(morph)
         self._morph, self._frames = Handle.of("collections", morph), _uids(frames)
-        self._blends = read_blends(morph, frames) if is_mixed else None
+        self._blends = read_blends(morph, frames) if interpolates(morph, between) else None
         self.sampled: SampledFields | None = None
 
     def steps(self, control: Control) -> Iterator[Progress[Any]]:

@@ -48,7 +48,7 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame
+from .stored import WEIGHTS_KEY, frame_number, frame_weights, interpolates, some_frame_objects, starting_frame
 from .stored_fields import StoredFields
 
 if TYPE_CHECKING:
@@ -60,8 +60,7 @@ def make_player(
 ) -> bpy.types.Object:
     """Sample fields if the player is to interpolate `between` blends, and run :func:`build_player`."""
     require_path(collection)
-    interpolated = between == "INTERPOLATED" and is_solid(collection)
-    sampled = _sampled(collection) if interpolated else None
+    sampled = _sampled(collection) if interpolates(collection, between) else None
     return build_player(collection, playback=playback, easing=easing, sampled=sampled)
 
 

@@ -192,6 +192,11 @@ def is_solid(collection: bpy.types.Collection) -> bool:
     return "flat" not in stored_settings(collection)
 
 
+def interpolates(collection: bpy.types.Collection, between: str) -> bool:
+    """Return whether a player or a pad mixes blends, given what it shows in between: flat ones are never mixed."""
+    return between == "INTERPOLATED" and is_solid(collection)
+
+
 def stored_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Object]:
     """Return the objects that a morph was baked from, or that represent its shapes; they may be hidden.
 
