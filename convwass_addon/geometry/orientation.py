@@ -17,19 +17,26 @@ from .normals import triangle_normals
 from .solid_angles import winding_numbers
 from .welding import place_labels
 
-# Sample points per component for deciding whether it lies inside the others.
+# Sample points per component, or patch of one, for deciding where it lies.
 _PROBES = 9
-# How far inside the component they are, relative to its longest side.
+# How far in front of it they are, relative to its longest side.
 _WITHIN = 1e-3
+# Patches are large from this fraction of the area of their component on.
+_LARGE = 0.02
+# They face inward where the winding number in front of them is less than this. It is -1 where they enclose something,
+# and -0.5 in front of a flat open piece.
+_INVERTED = -0.75
 
 
 def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMesh:
     """Flip faces so that they enclose the intended solid.
 
-    Components with inconsistent faces are made consistent, with positive volume. Consistent components keep their
-    orientation (an inward-facing inner shell is a cavity), except inward-facing ones that do not lie inside anything:
-    those are flipped. Pieces that meet in a seam, as the front and the sides of solid text, are one component, though
-    they share no vertices: alone, the wall of a hole would face inward. Copies of a piece in its place meet in no seam.
+    Components with inconsistent faces are made consistent, with positive volume. Where a consistent component passes
+    through itself, so that large parts of it face inward, as an arm that is attached inside out, those are flipped.
+    Consistent components keep their orientation (an inward-facing inner shell is a cavity), except inward-facing ones
+    that do not lie inside anything: those are flipped. Pieces that meet in a seam, as the front and the sides of solid
+    text, are one component, though they share no vertices: alone, the wall of a hole would face inward. Copies of a
+    piece in its place meet in no seam.
 
     Parameters
     ----------
@@ -57,7 +64,8 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     inward = repaired & (volumes < 0)
     for piece in np.flatnonzero((volumes < 0) & ~repaired):
         inward[piece] = not _inside_others(outward, pieces, piece)
-    return _with_turned(outward, inward[pieces])
+    outward = _with_turned(outward, inward[pieces])
+    return _with_turned(outward, _turned_in(outward, repaired[pieces], pieces, neighbors))
 
 
 def _with_turned(mesh: TriangleMesh, turn: NDArray[np.bool_]) -> TriangleMesh:
@@ -131,14 +139,51 @@ def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tupl
     return turn & repaired[pieces], repaired
 
 
+def _turned_in(
+    mesh: TriangleMesh, repaired: NDArray[np.bool_], pieces: NDArray[np.int64], neighbors: _Neighbors
+) -> NDArray[np.bool_]:
+    """Return which of the triangles of repaired components face inward, (m,).
+
+    Before the repair, they agreed with each other in large patches.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        With consistent components.
+    repaired : (m,) bool
+        Triangles of components whose triangles did not agree before.
+    pieces : (m,) int64
+        Component of every triangle.
+    neighbors : _Neighbors
+        Those of the mesh before the repair.
+    """
+    agree, areas = neighbors.agree, mesh.face_areas
+    patches = component_labels(neighbors.one[agree], neighbors.other[agree], len(pieces))
+    whole, own = np.bincount(pieces, weights=areas), np.bincount(patches, weights=areas)
+    inward = np.zeros(len(pieces), bool)
+    for patch in np.unique(patches[repaired & (own[patches] >= _LARGE * whole[pieces])]):
+        faces = patches == patch
+        component = pieces == pieces[np.argmax(faces)]
+        inward[faces] = _winding_in_front(_chosen(mesh, faces), _chosen(mesh, component)) < _INVERTED
+    return inward
+
+
 def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) -> bool:
     """Return whether most of the space that an inward-facing component encloses is inside the solid of the others."""
-    own = TriangleMesh(mesh.vertices, mesh.faces[pieces == piece])
-    others = TriangleMesh(mesh.vertices, mesh.faces[pieces != piece])
-    low, high = own.corners.min(axis=(0, 1)), own.corners.max(axis=(0, 1))
+    own, others = _chosen(mesh, pieces == piece), _chosen(mesh, pieces != piece)
+    low, high = own.bounds
     if not len(others.faces) or (others.bounds[0] > high).any() or (others.bounds[1] < low).any():
         return False
-    # Evenly spread over the area, and off the surface, which the component may share with others.
+    return _winding_in_front(own, others) > 0.5
+
+
+def _chosen(mesh: TriangleMesh, faces: NDArray[np.bool_]) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices, mesh.faces[faces])
+
+
+def _winding_in_front(own: TriangleMesh, mesh: TriangleMesh) -> float:
+    """Return the median winding number of a mesh about points just in front of the triangles of another."""
+    # Evenly spread over the area, and off the surface, which the two meshes may share.
     corners = own.corners[at_equal_shares(own.face_areas, _PROBES)]
-    probes = corners.mean(axis=1) + _WITHIN * (high - low).max() * triangle_normals(corners)
-    return float(np.median(winding_numbers(probes, others))) > 0.5
+    probes = corners.mean(axis=1) + _WITHIN * own.longest_side * triangle_normals(corners)
+    return float(np.median(winding_numbers(probes, mesh)))

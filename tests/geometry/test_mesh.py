@@ -74,6 +74,33 @@ def test_randomly_flipped_faces_are_reoriented(seed):
     assert mended.volume == pytest.approx(mesh.volume)
 
 
+@pytest.mark.parametrize("inward", ["neither", "both"])
+def test_both_halves_of_a_solid_that_passes_through_itself_face_outward(inward):
+    """As where Blender's Skin modifier attaches legs: seen by their edges, one of them is inside out."""
+    sphere = ball(points=4000)
+    x, y, z = sphere.vertices.T
+    pinched = TriangleMesh(np.stack([x, y * np.tanh(5.0 * x), z], axis=1), sphere.faces)
+    mirrored = pinched.corners.mean(axis=1)[:, 0] < 0.0
+    halves = TriangleMesh(pinched.vertices, np.where(mirrored[:, None], pinched.faces[:, ::-1], pinched.faces))
+    mended = orient_outward(halves if inward == "neither" else halves.flipped())
+    np.testing.assert_array_equal(np.sort(mended.faces, axis=1), np.sort(sphere.faces, axis=1))
+    np.testing.assert_allclose(winding_numbers([(-0.5, 0.0, 0.0), (0.5, 0.0, 0.0)], mended), 1.0, atol=0.02)
+    width = np.linspace(0.0, 1.0, 2001)
+    expected = 2.0 * np.pi * np.trapezoid((1.0 - width**2) * np.tanh(5.0 * width), width)
+    assert mended.volume == pytest.approx(expected, rel=0.01)
+    np.testing.assert_array_equal(orient_outward(mended).faces, mended.faces)
+
+
+def test_an_open_sheet_with_some_faces_flipped_is_consistent():
+    """Winding numbers are half in front of it, and half behind it."""
+    hull = ball()
+    sheet = with_faces(hull, hull.corners.mean(axis=1)[:, 2] > 0.9)
+    turned = sheet.corners.mean(axis=1)[:, 0] < 0.1
+    faces = np.where(turned[:, None], sheet.faces[:, ::-1], sheet.faces)
+    mended = orient_outward(TriangleMesh(sheet.vertices, faces))
+    assert topology(mended).uneven_edges == 0
+
+
 def test_inside_out_solids_are_flipped():
     assert orient_outward(ball().flipped()).volume == pytest.approx(ball().volume)
 
