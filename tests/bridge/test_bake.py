@@ -402,6 +402,8 @@ def damage(key, value):
         damage("first_frame", True),
         damage("first_frame", -2_000_000),
         damage("records", [1]),
+        damage("per_second", 0.0),
+        damage("per_second", "24"),
         lambda data: data.pop("settings"),
     ],
 )

@@ -18,6 +18,7 @@ from convwass_addon.applications.morphs.layouts import path_blends, triangle_ble
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.appearance import write_velocity
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.dense_bake import bake_player
 from convwass_addon.bridge.morphs.pad_inputs import handle_velocity
 from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
 from convwass_addon.bridge.morphs.player import make_player, refresh_player
@@ -27,6 +28,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 from tests.moving_balls import CELLS, FIRST, FRAMES, TRAVEL, bake
 from tests.shapes import ball, box, joined
 
@@ -181,14 +183,17 @@ def test_colors_are_mixed(moving):
         assert np.allclose(found[:, 1], 0.5 + 0.5 * height, atol=0.03)
 
 
-def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_object):
-    """A small ball flies past a large one, by five times its diameter per frame."""
+def flying_place(weights):
+    """Where the small ball of `flying_balls` is."""
+    return np.array((-1.5 + 3.0 * weights[1], 1.6, 0.0))
 
-    def place(weights):
-        return np.array((-1.5 + 3.0 * weights[1], 1.6, 0.0))
+
+@pytest.fixture
+def flying_balls(bare_scene, make_object):
+    """Bake a small ball that flies past a large one, by five times its diameter per frame; shapes have no velocity."""
 
     def solved(weights):
-        return joined(ball(points=800), ball(0.2, place(weights), points=300))
+        return joined(ball(points=800), ball(0.2, flying_place(weights), points=300))
 
     blends = path_blends(2, FRAMES)
     collection = bake(make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
@@ -196,14 +201,35 @@ def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_objec
     for obj in frame_objects(collection)[1:-1]:
         velocity = [(pace * (vertex.co.y > 1.2), 0.0, 0.0) for vertex in obj.data.vertices]
         obj.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", np.ravel(velocity))
-    player = still_player(collection)
-    # Shapes have no velocity, so next to them the neighboring blend is moved.
-    for value in (0.07, 0.5, 0.53, 0.9):
-        morph_value(player).set(value)
-        points = shown(player).vertices
-        small = points[points[:, 1] > 1.2]
-        assert np.allclose(small.mean(axis=0), place((1.0 - value, value)), atol=0.01)
+    return collection
+
+
+def small_ball(player, value):
+    """Return the center of the small ball that a player shows at a value."""
+    morph_value(player).set(value)
+    points = shown(player).vertices
+    return points[points[:, 1] > 1.2].mean(axis=0)
+
+
+# Next to the shapes, the neighboring blend is moved.
+FLYING_VALUES = (0.07, 0.5, 0.53, 0.9)
+
+
+@pytest.mark.parametrize("rate", [24, 60])
+def test_parts_that_move_by_more_than_they_are_thick_stay(flying_balls, bare_scene, rate):
+    pace = 3.0 / FRAMES * bare_scene.render.fps
+    bare_scene.render.fps = rate
+    player = still_player(flying_balls)
+    for value in FLYING_VALUES:
+        assert np.allclose(small_ball(player, value), flying_place((1.0 - value, value)), atol=0.01)
         assert np.isclose(attribute(player, "velocity", 3)[:, 0].max(), pace)
+
+
+def test_they_stay_between_frames_that_were_baked_at_another_rate(flying_balls):
+    times = np.linspace(FIRST, FIRST + FRAMES, 2 * FRAMES + 1)
+    player = still_player(drained(bake_player(make_player(flying_balls, between="INTERPOLATED"), times, FIRST)))
+    for value in FLYING_VALUES:
+        assert np.allclose(small_ball(player, value), flying_place((1.0 - value, value)), atol=0.01)
 
 
 def test_custom_normals_are_taken_from_the_meshes(moving):

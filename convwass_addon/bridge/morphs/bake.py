@@ -18,7 +18,7 @@ from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
-from ..animation_time import show_time
+from ..animation_time import show_time, times_per_second
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
@@ -118,7 +118,8 @@ class MorphBake:
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         bpy.context.scene.collection.children.link(collection)
         libraries = [library_of(obj) for obj in inputs]
-        stored = StoredMorph([obj.name for obj in inputs], settings, first_frame, [], libraries)
+        names, per_second = [obj.name for obj in inputs], times_per_second(bpy.context.scene)
+        stored = StoredMorph(names, settings, first_frame, [], libraries, per_second)
         bake = cls(collection, shapes, blends, stored)
         store(collection, bake._stored)
         # Inputs that are followed are others in every frame.

@@ -15,7 +15,7 @@ from ...applications.live.weight_layouts import path_weights
 from ...errors import InputError
 from ...progress import Progress, Work
 from ...sentence import Sentence
-from ..animation_time import returning, show_time
+from ..animation_time import returning, show_time, times_per_second
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import evaluated_mesh, place_mesh, take_own_materials
@@ -50,7 +50,7 @@ def bake_player(player: bpy.types.Object, times: Sequence[float], first_frame: i
     player : bpy.types.Object
         A player of a path.
     times : sequence of float
-        Scene frames, including fractions.
+        Scene frames, including fractions, at even distances.
     first_frame : int
         Scene frame of the first object.
 
@@ -93,7 +93,13 @@ def bake_player(player: bpy.types.Object, times: Sequence[float], first_frame: i
         key_visibility(obj, action, [FrameRange(first, last)])
     stored = stored_morph(source)
     settings = {**stored.settings, SAMPLED_FROM: source.name}
-    store(collection, replace(stored, settings=settings, first_frame=first_frame, records=[{} for _ in made]))
+    # The velocities are those of the player, but a frame may last for more or less time.
+    per_second = (stored.per_second or times_per_second(scene)) / float(times[1] - times[0])
+    records = [{} for _ in made]
+    store(
+        collection,
+        replace(stored, settings=settings, first_frame=first_frame, records=records, per_second=per_second),
+    )
     copy_hidden(source, collection)
     places = (scene.collection, *bpy.data.collections)
     parents = [place for place in places if source in set(place.children) and not is_linked(place)]

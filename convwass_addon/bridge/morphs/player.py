@@ -48,7 +48,15 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_weights, interpolates, some_frame_objects, starting_frame
+from .stored import (
+    WEIGHTS_KEY,
+    frame_number,
+    frame_weights,
+    interpolates,
+    some_frame_objects,
+    starting_frame,
+    stored_morph,
+)
 from .stored_fields import StoredFields
 
 if TYPE_CHECKING:
@@ -245,7 +253,9 @@ def _stored(
     """Store the fields of the blends of a path."""
     from .field_sampling import store_fields
 
-    columns = path_columns(frames, times_per_second(bpy.context.scene))
+    # The scene may play at another rate since the bake; the velocities of the frames do not change with it.
+    per_second = stored_morph(collection).per_second or times_per_second(bpy.context.scene)
+    columns = path_columns(frames, per_second)
     return store_fields(collection, frames, sampled, _table(frames), columns)
 
 

@@ -66,6 +66,9 @@ class StoredMorph:
         The solver's figures for each finished frame, without arrays and histories.
     libraries : list of str
         The library of each object, as in :class:`.ObjectName`; empty in morphs of earlier versions.
+    per_second : float or None
+        Frames per second to which the velocities of the frames refer, whatever the scene plays later; None in morphs of
+        earlier versions.
     """
 
     inputs: list[str]
@@ -73,6 +76,7 @@ class StoredMorph:
     first_frame: int
     records: list[dict[str, object]]
     libraries: list[str] = field(default_factory=list)
+    per_second: float | None = None
 
     @property
     def names(self) -> list[ObjectName]:
@@ -383,7 +387,16 @@ def _checked(data: object) -> StoredMorph:
         raise ValueError(f"first_frame is {first_frame}")
     if not (isinstance(records, list) and all(isinstance(record, dict) for record in records)):
         raise TypeError("records are not a list of tables")
-    return StoredMorph(inputs, settings, first_frame, records, libraries)
+    return StoredMorph(inputs, settings, first_frame, records, libraries, _rate(data.get("per_second")))
+
+
+def _rate(value: object) -> float | None:
+    """Return frames per second, or None if they are unknown."""
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not 0.0 < value < math.inf:
+        raise TypeError(f"per_second is {value!r}")
+    return float(value)
 
 
 def _items(value: object) -> list[object]:
