@@ -14,7 +14,7 @@ from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.pad_inputs import handle_velocity
 from ..bridge.morphs.pad_velocity import key_handle_velocity
-from ..bridge.morphs.player import build_player, require_path
+from ..bridge.morphs.player import build_player, require_playable
 from ..bridge.morphs.player_inputs import is_player, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
@@ -122,7 +122,7 @@ class CONVWASS_OT_make_player(_ShowingMorph, bpy.types.Operator):
     between: property_of(MorphRequest, "between")
 
     def _check(self, morph):
-        require_path(morph)
+        require_playable(morph, self.between)
 
     def _shown(self, morph, sampled):
         player = build_player(morph, playback=self.playback, easing=self.easing, sampled=sampled)

@@ -205,6 +205,21 @@ def test_frames_at_another_rate(player):
         assert [is_shown(obj, FIRST + other) for other in range(len(frames))].count(True) == 1
 
 
+@pytest.mark.parametrize("style", ["EASE", "HOLD", "BACK_AND_FORTH"])
+def test_a_player_of_frames_of_a_player_has_their_timing(player, style):
+    retime(player, Retiming(style=style, frames=6, hold=2))
+    first, last = keyed_span(player)
+    times = range(first, last + 1)
+    morph = drained(bake_player(player, times, first))
+    expected = [obj[WEIGHTS_KEY][1] for obj in frame_objects(morph)]
+    if style == "BACK_AND_FORTH":
+        with pytest.raises(InputError, match="returns to moments that it has left"):
+            make_player(morph, between="INTERPOLATED")
+    second = make_player(morph, between="NEAREST" if style == "BACK_AND_FORTH" else "INTERPOLATED")
+    assert np.allclose(values(second, times)[:, 0], expected, atol=1e-5)
+    assert shows_as_baked(second)
+
+
 def test_frames_of_a_sheared_player_keep_its_shape(player):
     """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
     parent = linked("Stretch", None)

@@ -35,7 +35,16 @@ from .frame_colors import colored, made_for, seen_materials
 from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
-from .player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, interpolation, is_player, morph_value
+from .player_inputs import (
+    MATERIAL,
+    OVERRIDE,
+    PLAYBACK,
+    PLAYBACKS,
+    SAME_MOMENT,
+    interpolation,
+    is_player,
+    morph_value,
+)
 from .stand_ins import (
     SHOWS_KEY,
     adopt,
@@ -67,7 +76,7 @@ def make_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> bpy.types.Object:
     """Sample fields if the player is to interpolate `between` blends, and run :func:`build_player`."""
-    require_path(collection)
+    require_playable(collection, between)
     sampled = _sampled(collection) if interpolates(collection, between) else None
     return build_player(collection, playback=playback, easing=easing, sampled=sampled)
 
@@ -102,9 +111,9 @@ def build_player(
     Raises
     ------
     InputError
-        As `require_path`.
+        As `require_playable`.
     """
-    require_path(collection)
+    require_playable(collection, "NEAREST" if sampled is None else "INTERPOLATED")
     frames = _path_objects(collection)
     name = f"{collection.name} Player"
     fields = None if sampled is None else _stored(collection, frames, sampled)
@@ -125,16 +134,24 @@ def build_player(
     return player
 
 
-def require_path(collection: bpy.types.Collection) -> None:
-    """Raise InputError if no player can be created for a morph.
+def require_playable(collection: bpy.types.Collection, between: str) -> None:
+    """Raise InputError if no player that shows something `between` blends can be created for a morph.
 
     Raises
     ------
     InputError
-        Not a path, a path that is too short, or another object already plays the morph.
+        Not a path, a path that is too short, another object already plays the morph, or blends cannot be interpolated
+        because they are not in the order of their values.
     """
     require_none(collection)
-    _path_objects(collection)
+    frames = _path_objects(collection)
+    if interpolates(collection, between) and (np.diff(_values(frames)) < -SAME_MOMENT).any():
+        # Frames of a player that went back and forth.
+        raise InputError(
+            "{name} returns to moments that it has left, so its frames cannot be interpolated; set In Between to "
+            "Nearest Blend.",
+            name=collection.name,
+        )
 
 
 def refresh_player(collection: bpy.types.Collection) -> None:
@@ -295,10 +312,13 @@ def _played(
 
 
 def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int, easing: str) -> None:
-    """Key the value at every baked shape and at both ends of the bake."""
-    values = _values(frames)
-    corners = {0, len(frames) - 1, *np.flatnonzero(values == np.round(values)).tolist()}
-    for place in sorted(corners):
-        value.set(float(values[place]))
-        value.owner.keyframe_insert(value.path, frame=first_frame + frame_number(frames[place]))
+    """Key the value at every baked shape and at both ends of the bake; at all frames if those between are not even."""
+    values, times = _values(frames), first_frame + np.array([frame_number(obj) for obj in frames])
+    keyed = np.isin(np.arange(len(frames)), (0, len(frames) - 1)) | (values == np.round(values))
+    if easing == "LINEAR" and np.abs(np.interp(times, times[keyed], values[keyed]) - values).max() > SAME_MOMENT:
+        # Frames of a player that was retimed.
+        keyed[:] = True
+    for time, own in zip(times[keyed].tolist(), values[keyed].tolist(), strict=True):
+        value.set(own)
+        value.owner.keyframe_insert(value.path, frame=time)
     ease(value.curve(), easing)

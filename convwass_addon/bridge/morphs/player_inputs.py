@@ -22,6 +22,9 @@ OVERRIDE = "Override Material"
 
 MATERIAL = "Material"
 
+SAME_MOMENT = 1e-4
+"""Largest difference of values that counts as the same moment, far below the step from frame to frame."""
+
 
 def is_player(obj: bpy.types.Object | None) -> bool:
     """Return whether an object plays a morph."""

@@ -17,14 +17,20 @@ from ...progress import Work
 from ..keyframes import curves_of
 from ..visibility import is_in
 from .dense_bake import bake_player, sample_times
-from .player_inputs import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
+from .player_inputs import (
+    SAME_MOMENT,
+    interpolation,
+    is_player,
+    morph_value,
+    override,
+    playback_item,
+    shown_value,
+    speed,
+)
 from .removal import remove_bake
 from .retiming import keyed_span, sole_curve
 from .stand_ins import frames_modifier, shown_morph, stand_ins
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, shown_frames
-
-# Largest difference of values that counts as the same moment, far below the step from frame to frame.
-_SAME = 1e-4
 
 
 @dataclass(frozen=True)
@@ -149,4 +155,4 @@ def _plays_as_baked(player: bpy.types.Object) -> bool:
     times = [span[0] + frame_number(obj) for obj in frames]
     shown = np.array([shown_value(curve.evaluate(time), item, last) for time in times])
     baked = frame_weights(frames) @ np.arange(last + 1)
-    return bool(np.abs(shown - baked).max() < _SAME)
+    return bool(np.abs(shown - baked).max() < SAME_MOMENT)
