@@ -15,6 +15,7 @@ import bpy
 
 from ..errors import InputError
 from .flat.flat_kinds import is_image, is_shape
+from .morphs.results import bake_of, baked_from
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""
@@ -57,7 +58,7 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
         shape, too. `PARENTS`: its topmost parent with all children. `COLLECTIONS`: all objects of its collection and
         nested ones; an object only in the scene's own collection is a shape by itself. Parts that are disabled in
         viewports, disabled in renders while visible, displayed as wires or bounds, excluded from the view layer, or
-        images for reference are left out, unless there are no others.
+        images for reference are left out, unless there are no others. So is what was baked from the shape itself.
     """
     return shape_sources([obj], grouping)[0]
 
@@ -160,7 +161,7 @@ class _Finder:
         return ShapeSource(own.name, own, (own,))
 
     def _kept(self, objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
-        parts = [obj for obj in objects if is_part(obj)]
+        parts = [obj for obj in _without_results(list(objects)) if is_part(obj)]
         shown = [obj for obj in parts if not _is_helper(obj)] or parts
         return tuple(obj for obj in shown if obj in self._in_layer) or tuple(shown)
 
@@ -232,6 +233,15 @@ def _outermost(shapes: Sequence[ShapeSource]) -> list[ShapeSource]:
         for shape, own in zip(shapes, parts, strict=True)
         if not any(own < other for other in containing[shape.parts[0]])
     ]
+
+
+def _without_results(group: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Return the objects of a group without what was baked from it, which users keep beside their shapes."""
+    # Panels ask this, and of many objects few have custom properties.
+    bakes = {obj: bake for obj in group if obj.keys() and (bake := bake_of(obj)) is not None}
+    there = set(group) if bakes else set()
+    own = {bake for bake in set(bakes.values()) if not there.isdisjoint(baked_from(bake))}
+    return [obj for obj in group if bakes.get(obj) not in own] if own else list(group)
 
 
 def _is_solid(obj: bpy.types.Object) -> bool:

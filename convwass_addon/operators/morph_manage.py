@@ -27,10 +27,10 @@ from ..bridge.morphs.stored import (
     starting_frame,
     stored_inputs,
     stored_morph,
-    stored_parts,
     stored_settings,
 )
-from ..bridge.one_mesh.records import baked_keys
+from ..bridge.morphs.stored_parts import stored_parts
+from ..bridge.one_mesh.baked_keys import baked_keys
 from ..bridge.operator_errors import reason
 from ..bridge.visibility import is_in
 from ..errors import ConvwassError, InputError

@@ -8,7 +8,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.active import active_object
-from ..bridge.one_mesh.records import baked_keys, has_key_record, key_records, shared_slider
+from ..bridge.one_mesh.baked_keys import baked_keys, shared_slider
+from ..bridge.one_mesh.records import has_key_record, key_records
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph

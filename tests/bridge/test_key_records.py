@@ -9,7 +9,8 @@ import pytest
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.morph_request import MorphRequest
-from convwass_addon.bridge.morphs.stored import store, stored_parts
+from convwass_addon.bridge.morphs.stored import store
+from convwass_addon.bridge.morphs.stored_parts import stored_parts
 from convwass_addon.bridge.one_mesh.records import RECORD_KEY, described_bake, slider_names
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

@@ -12,8 +12,8 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.one_mesh import swap_job
+from convwass_addon.bridge.one_mesh.baked_keys import SWAP_KEY, shared_slider
 from convwass_addon.bridge.one_mesh.moving_meshes import sampled_vertices
-from convwass_addon.bridge.one_mesh.records import SWAP_KEY, shared_slider
 from convwass_addon.bridge.one_mesh.swapped_objects import with_swap
 from convwass_addon.bridge.visibility import shown_objects
 from convwass_addon.progress import Progress

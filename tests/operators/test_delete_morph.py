@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
 from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs, stored_settings
-from convwass_addon.bridge.one_mesh.records import SWAP_KEY
+from convwass_addon.bridge.one_mesh.baked_keys import SWAP_KEY
 from tests.operators.morphs import add
 
 

@@ -16,7 +16,8 @@ from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
-from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_records, objects_of, shared_slider
+from convwass_addon.bridge.one_mesh.baked_keys import SWAP_KEY, baked_keys, shared_slider
+from convwass_addon.bridge.one_mesh.records import key_records, objects_of
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence

@@ -22,6 +22,7 @@ from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, st
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames, stored_morph
 from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.shape_sources import shape_source
 from convwass_addon.errors import ConvwassError
 from tests.linked_objects import linked_object
 from tests.operators.morphs import PressedBake, guide_coarsely
@@ -793,6 +794,46 @@ def test_a_guide_on_a_missing_vertex_is_refused_and_the_morph_kept(empty_scene, 
         bpy.ops.convwass.rebake_morph()
     morph = bpy.data.collections[name]
     assert (morph["convwass_morph"], [obj.name for obj in frame_objects(morph)]) == before
+
+
+@pytest.mark.parametrize("grouping", ["PARENTS", "COLLECTIONS"])
+@pytest.mark.parametrize("output", ["OBJECTS", "PLAYER"])
+def test_a_morph_beside_its_shape_is_no_part_of_it(empty_scene, grouping, output):
+    home, root = bpy.data.collections.new("Hero"), bpy.data.objects.new("Root", None)
+    empty_scene.collection.children.link(home)
+    home.objects.link(root)
+    morph = bake(grouping=grouping, output=output, between="NEAREST")
+    body = shapes(morph)[0]
+    body.parent = root
+    home.objects.link(body)
+    bpy.context.view_layer.update()
+    bpy.ops.convwass.rebake_morph()
+    width = middle_width(morph)
+    for obj in morph.objects:
+        obj.parent = root
+    empty_scene.collection.children.unlink(morph)
+    home.children.link(morph)
+    empty_scene.frame_set(4)
+    assert changed_inputs(morph) == []
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert middle_width(morph) == pytest.approx(width)
+    assert not any(obj.hide_get() for obj in morph.objects)
+
+
+def test_a_linked_morph_beside_objects_with_the_names_of_its_shapes_is_a_part(morph, tmp_path):
+    names, path = stored_morph(morph).inputs, str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    home = bpy.data.collections.new("Hero")
+    bpy.context.scene.collection.children.link(home)
+    with bpy.data.libraries.load(path, link=True) as (source, loaded):
+        loaded.collections = source.collections
+    for collection in loaded.collections:
+        home.children.link(collection)
+    body = bpy.data.objects.new(names[0], bpy.data.meshes.new("Body"))
+    home.objects.link(body)
+    bpy.context.view_layer.update()
+    assert len(shape_source(body, "COLLECTIONS").parts) == 2
 
 
 def test_shapes_outside_the_view_layer_are_named(morph, capfd):

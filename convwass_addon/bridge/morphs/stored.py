@@ -18,7 +18,6 @@ from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames, shown_from
 from ..object_names import ObjectName, objects_named, scene_copies
-from ..shape_sources import OBJECTS, shape_sources
 
 SCHEMA = 1
 
@@ -220,18 +219,6 @@ def stored_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.ty
             missing=", ".join(missing),
         )
     return objects
-
-
-def stored_parts(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Object]:
-    """Return all objects whose surfaces a morph was baked from.
-
-    Raises
-    ------
-    InputError
-        As `stored_inputs`.
-    """
-    grouping = stored_settings(block).get("grouping", OBJECTS)
-    return [part for source in shape_sources(stored_inputs(block), grouping) for part in source.parts]
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:

@@ -17,15 +17,13 @@ from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import MORPH_KEY, StoredMorph
 from ..object_names import library_of
 from ..shape_sources import OBJECTS
+from .baked_keys import SWAP_KEY
 
 RECORD_KEY = "convwass_shape_keys"
 """Custom property of the object: JSON of the records of all paths."""
 
 SHAPES_KEY = "convwass_shapes"
 """Custom property of the object: the other shapes by the names of their sliders."""
-
-SWAP_KEY = "convwass_swap"
-"""Custom property of both objects: the first one (`object`), the name of its slider, and its value `at` the swap."""
 
 BAKE_KEYS = (RECORD_KEY, SHAPES_KEY, SWAP_KEY, MORPH_KEY, SIGNATURES_KEY)
 """All custom properties that a bake stores, apart from what it has hidden."""
@@ -86,23 +84,6 @@ def described_bake(
 def store_records(obj: bpy.types.Object, records: Sequence[dict[str, object]]) -> None:
     """Store the records of the paths on the object."""
     obj[RECORD_KEY] = json.dumps(list(records))
-
-
-def shared_slider(obj: bpy.types.Object) -> tuple[bpy.types.Object, str] | None:
-    """Return the object with the slider that moves a pair of objects, and the slider's name; None for other objects."""
-    swap = obj.get(SWAP_KEY)
-    if swap is None or swap.get("object") is None or swap["slider"] not in swap["object"]:
-        return None
-    return swap["object"], swap["slider"]
-
-
-def baked_keys(obj: bpy.types.Object | None) -> bpy.types.Object | None:
-    """Return the object that stores how the keys of an object were made: itself, or the first one of two; or None."""
-    if obj is None:
-        return None
-    shared = shared_slider(obj)
-    own = obj if shared is None else shared[0]
-    return own if MORPH_KEY in own else None
 
 
 def objects_of(keyed: bpy.types.Object) -> list[bpy.types.Object]:

@@ -13,9 +13,10 @@ from ..keyframes import curves_of, driver_targets, drivers_of, ensure_action, re
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden, unfound_notices
 from ..unused_data import remove_mesh, remove_with_data
 from .attached_parts import detach_parts
+from .baked_keys import SWAP_KEY
 from .carried_properties import custom_properties, take_properties
 from .key_pad import pads_of, remove_idle_pads
-from .records import BAKE_KEYS, SWAP_KEY, objects_of, slider_names
+from .records import BAKE_KEYS, objects_of, slider_names
 from .shape_keys import add_slider, slider_path
 
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from .records import SWAP_KEY
+from .baked_keys import SWAP_KEY
 from .shape_keys import add_slider, drive, free_slider, slider_path
 
 

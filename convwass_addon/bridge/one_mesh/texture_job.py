@@ -25,6 +25,7 @@ from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
 from ..scene_colors import srgb_of_scene
 from ..unused_data import removed_on_errors
+from .baked_keys import SWAP_KEY
 from .earlier_baking import (
     BAKED,
     assign_baked_material,
@@ -35,7 +36,7 @@ from .earlier_baking import (
     reload_files,
     replace_data,
 )
-from .records import SWAP_KEY, key_records
+from .records import key_records
 from .texture_baking import TextureSize, baked_pixels
 from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, missing_images, shown_channel
 from .texture_looks import Look, end_look, start_look
