@@ -13,7 +13,7 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.active import active_object, selected_objects
 from ..bridge.linked_data import is_linked, overriding
-from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.bake_order import in_order, outdated
 from ..bridge.morphs.disk_output import read_morph
 from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.morph_request import MorphRequest
@@ -215,8 +215,8 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         return {"CANCELLED"} if len(problems) == len(blocks) else {"FINISHED"}
 
     def _wanted(self, context: bpy.types.Context) -> list[bpy.types.Collection | bpy.types.Object]:
-        """Return the morphs to bake."""
-        there = baked_blocks()
+        """Return the morphs to bake, those that have made shapes of others before these."""
+        there = in_order(baked_blocks())
         if self.session_uids:
             uids = self.session_uids.split("\n")
             return [block for block in there if str(block.session_uid) in uids]
@@ -227,7 +227,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             active = active_bake(context)
             return [] if active is None else [active]
         solved = [block for block in there if not _is_sampled(block)]
-        return [block for block in solved if self.which == "ALL" or changed_inputs(block)]
+        return solved if self.which == "ALL" else outdated(solved)
 
 
 def _problem_of_baking(

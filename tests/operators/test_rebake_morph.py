@@ -293,6 +293,30 @@ def test_only_outdated_morphs_are_baked(morphs):
     assert len(frame_objects(morph)) == 4
 
 
+@pytest.mark.parametrize("which", ["STALE", "ALL"])
+@pytest.mark.parametrize("instanced", [False, True])
+def test_a_morph_of_a_player_is_baked_after_that(morph, which, instanced):
+    """Its name comes first, and its shape only changes with the player."""
+    source = shapes(morph)[0]
+    bpy.ops.convwass.make_player(between="NEAREST")
+    shape = bpy.context.object
+    if instanced:
+        shape = bpy.data.objects.new("Instance", None)
+        shape.instance_type, shape.instance_collection = "COLLECTION", morph
+        bpy.context.scene.collection.objects.link(shape)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(3, 0, 0))
+    inputs = f"{bpy.context.object.name},{shape.name}"
+    bpy.ops.convwass.bake_morph(inputs=inputs, motion="TRANSPORT", frames=3, resolution=20)
+    (second,) = (other for other in baked_morphs() if other != morph)
+    second.name, morph.name = "A", "B"
+    source.scale.z = 1.5
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.rebake_morph(which=which) == {"FINISHED"}
+    assert changed_inputs(second) == []
+    shown = triangle_mesh(frame_objects(second)[-1], bpy.context.evaluated_depsgraph_get())
+    assert np.ptp(shown.bounds[:, 2]) == pytest.approx(3.0)
+
+
 @pytest.mark.parametrize("how", ["EXEC_DEFAULT", "INVOKE_DEFAULT"])
 def test_all_morphs_are_baked_although_some_cannot_be(many_morphs, how):
     morph, *others = many_morphs
