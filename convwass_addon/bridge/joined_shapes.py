@@ -101,7 +101,7 @@ def current_shapes(sources: Sequence[ShapeSource], depsgraph: bpy.types.Depsgrap
 
 
 def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> bpy.types.NodeSocket | None:
-    """Return the geometry of a shape in every frame, in world space, for a node group on an object there.
+    """Return the geometry of a shape in every frame, in world space, wherever the object is whose nodes show it.
 
     Parameters
     ----------
@@ -305,11 +305,11 @@ def _geometry_of(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.N
 def _as_instances(
     tree: bpy.types.NodeTree, part: bpy.types.Object, outside: bpy.types.NodeSocket | None = None
 ) -> list[bpy.types.NodeSocket]:
-    """Return instances of a part, or of all that an Empty shows, in the space of the modified object.
+    """Return instances of a part, or of all that an Empty shows, in world space.
 
     Objects of instanced collections are moved from the world by the matrix `outside`.
     """
-    place = object_info(tree, part, space="RELATIVE" if outside is None else "ORIGINAL").outputs["Transform"]
+    place = object_info(tree, part).outputs["Transform"]
     if outside is not None:
         place = _product(tree, outside, place)
     if not shows_collection(part):

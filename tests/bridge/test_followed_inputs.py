@@ -116,6 +116,20 @@ def test_the_ends_play_on(bare_scene, movers, hat, player):
     assert first.volume == pytest.approx(4 / 3)
 
 
+@pytest.mark.parametrize("player", [False, True])
+def test_the_ends_move_with_the_frames(bare_scene, movers, make_object, player):
+    morph = finished(job(movers))
+    before = [seen(bare_scene, frame) for frame in range(FIRST - 1, FIRST + 5)]
+    parent = make_object("Set")
+    parent.hide_viewport, parent.location, parent.scale = True, (0, 5, 7), (2, 2, 2)
+    for obj in frame_objects(morph):
+        obj.parent = parent
+    if player:
+        make_player(morph)
+    after = [seen(bare_scene, frame) for frame in range(FIRST - 1, FIRST + 5)]
+    np.testing.assert_allclose(after, 2 * np.array(before) + (0, 5, 7), atol=1e-4)
+
+
 def test_a_morph_that_is_deleted_takes_its_ends_along(movers, inventory):
     before = inventory()
     remove_bake(finished(job(movers)))
