@@ -8,6 +8,7 @@ import bpy
 
 from ...sentence import Sentence
 from ..unused_data import remove_if_unused, remove_with_data
+from .copied_morphs import separate_copies
 from .disk_output import remove_disk_outputs
 from .hidden_inputs import hidden_only_by, show_again, unfound_notices
 from .kept_materials import carried_materials
@@ -46,6 +47,7 @@ def delete_morph(collection: bpy.types.Collection) -> list[Sentence]:
 
 def remove_frames(collection: bpy.types.Collection) -> None:
     """Remove the frames of a morph that is shown by something else now."""
+    separate_copies(collection)
     frames = frame_objects(collection)
     release_duplicates(collection)
     remove_frame_objects(frames)

@@ -12,6 +12,7 @@ import bpy
 from ..keyframes import take_key_times
 from ..objects import take_parent
 from .changes import SIGNATURES_KEY
+from .copied_morphs import separate_copies
 from .disk_output import FOLDER_KEY
 from .hidden_inputs import take_hidden
 from .kept_materials import take_materials
@@ -46,6 +47,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
     list of bpy.types.Material
         Edited materials that frames no longer have; see :func:`.kept_materials.take_materials`.
     """
+    separate_copies(old)
     shown_by = [obj for obj in stand_ins(old) if obj.users_collection]
     slots = {obj: changed_slots(obj) for obj in shown_by if frames_modifier(obj)}
     parent = hidden_frames(old) or old
