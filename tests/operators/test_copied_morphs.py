@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Players and pads in full copies of a scene, for which Blender does not copy node groups."""
+"""What shows morphs in full copies of a scene, for which Blender copies neither node groups nor what reads files."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.morphs.disk_output import disk_outputs
 from convwass_addon.bridge.morphs.stand_ins import frames_modifier, stand_ins
 from convwass_addon.bridge.morphs.stored import stored_morph
 from tests.operators.morphs import add
@@ -20,8 +21,9 @@ def the_morphs():
 
 
 def shower(morph):
-    """The player of a morph, or the blend of its pad."""
-    return next(obj for obj in stand_ins(morph) if frames_modifier(obj) and not obj.hide_render)
+    """The player of a morph, the blend of its pad, or the mesh that shows its files."""
+    players = [obj for obj in stand_ins(morph) if frames_modifier(obj) and not obj.hide_render]
+    return next(iter(players), None) or next(obj for obj in disk_outputs(morph) if obj.type == "MESH")
 
 
 def seen(scene, morph):
@@ -36,15 +38,15 @@ def seen(scene, morph):
     return np.array(found)
 
 
-@pytest.fixture(params=["PATH", "TRIANGLE"])
-def copied(empty_scene, request):
-    """A morph with a player or a pad, whose first shape was changed in a full copy of its scene."""
-    for place, kind in enumerate(("cube", "uv_sphere", "cone")[: 2 if request.param == "PATH" else 3]):
+@pytest.fixture(params=["PLAYER", "PAD", "VOLUME", "CACHE"])
+def copied(empty_scene, request, tmp_path):
+    """A morph whose shapes were changed in a full copy of its scene."""
+    for place, kind in enumerate(("cube", "uv_sphere", "cone")[: 3 if request.param == "PAD" else 2]):
         add(kind, location=(3 * place, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    bpy.ops.convwass.bake_morph(
-        motion="TRANSPORT", resolution=16, frames=3, layout=request.param, steps=3, output="PLAYER"
-    )
+    options = {"output": "PLAYER", "layout": "TRIANGLE"} if request.param == "PAD" else {"output": request.param}
+    folder = str(tmp_path / "files")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=16, frames=3, steps=3, folder=folder, **options)
     (morph,) = the_morphs()
     bpy.ops.scene.new(type="FULL_COPY")
     copy = next(other for other in the_morphs() if other != morph)

@@ -14,7 +14,15 @@ from ..operator_errors import reason
 from ..render_settings import take_render_settings
 from ..scratch_scene import scratch_scene
 from ..unused_data import remove_if_unused
-from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender, remember_readers
+from .disk_output import (
+    OUTPUT_KEY,
+    DiskOutput,
+    cache_readers,
+    disk_outputs,
+    for_blender,
+    readers_along,
+    remember_readers,
+)
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
 from .stored import frame_objects, shown_frames
@@ -55,7 +63,7 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     # A morph that begins before frame 0 is written from 0 on.
     read.frame_offset = min(shown_frames(collection)[0], 0)
     before = next(filter(cache_readers, disk_outputs(collection)), None)
-    made = _named(collection, shown) if before is None else _reading_as(before, shown)
+    made = _named(collection, shown) if before is None else _reading_as(collection, before, shown)
     remember_readers(collection, [made])
     return DiskOutput(made, (file,))
 
@@ -71,12 +79,14 @@ def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.typ
     return shown
 
 
-def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.types.Object:
-    """Let an object and its duplicates read what an imported one does, which is removed."""
+def _reading_as(
+    collection: bpy.types.Collection, shown: bpy.types.Object, imported: bpy.types.Object
+) -> bpy.types.Object:
+    """Let an object of a morph and its duplicates read what an imported one does, which is removed."""
     own, other = cache_readers(shown)[0], cache_readers(imported)[0]
     before = own.cache_file
     spare = [imported.data, before]
-    readers = [reader for obj in bpy.data.objects for reader in cache_readers(obj)]
+    readers = [reader for obj in readers_along(collection, bpy.data.objects) for reader in cache_readers(obj)]
     for reader in [own] if before is None else [reader for reader in readers if reader.cache_file == before]:
         reader.cache_file = other.cache_file
         reader.object_path = other.object_path

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from itertools import chain, count
@@ -219,6 +219,11 @@ def remember_readers(morph: bpy.types.Collection, objects: Sequence[bpy.types.Ob
 def read_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
     """Return the morph whose files an object was made to read, or None."""
     return None if obj is None or OUTPUT_KEY not in obj or _was_converted(obj) else _made_for(obj)
+
+
+def readers_along(morph: bpy.types.Collection, objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Return which objects read the files of a morph with it, such as duplicates; not those of a copy of the morph."""
+    return [obj for obj in objects if read_morph(obj) in (None, morph)]
 
 
 def _made_for(obj: bpy.types.Object) -> bpy.types.Collection | None:

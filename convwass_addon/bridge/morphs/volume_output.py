@@ -25,7 +25,7 @@ from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..render_settings import take_render_settings
 from ..visibility import layers_with
-from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, remember_readers
+from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, readers_along, remember_readers
 from .materials import morph_material
 from .still_frames import still_frames
 from .stored import frame_objects, shown_frames, some_frame_objects, stored_morph
@@ -162,7 +162,7 @@ def _objects(
     """
     there = {obj.type: obj for obj in reversed(disk_outputs(collection))}
     volume = there.get("VOLUME") or _volume_object(collection)
-    _read(volume.data, files, scene_frames)
+    _read(_own_data(collection, volume), files, scene_frames)
     shift = offset - volume.get(OFFSET_KEY, offset)
     volume.location = [place + shift for place in volume.location]
     volume[OFFSET_KEY] = offset
@@ -174,6 +174,17 @@ def _objects(
         _hide(volume)
     remember_readers(collection, [volume, shown])
     return shown
+
+
+def _own_data(collection: bpy.types.Collection, volume: bpy.types.Object) -> bpy.types.Volume:
+    """Return the data of a Volume object, with which duplicates follow it, but not a copy of the morph."""
+    users = [obj for obj in bpy.data.objects if obj.data == volume.data]
+    along = readers_along(collection, users)
+    if along != users:
+        data = volume.data.copy()
+        for obj in along:
+            obj.data = data
+    return volume.data
 
 
 def _hide(volume: bpy.types.Object) -> None:
