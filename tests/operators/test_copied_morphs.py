@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.morphs.disk_output import disk_outputs
 from convwass_addon.bridge.morphs.stand_ins import frames_modifier, stand_ins
 from convwass_addon.bridge.morphs.stored import stored_morph
@@ -75,3 +76,21 @@ def test_what_happens_to_one_of_them_leaves_the_other_as_it_is(copied, place, op
     bpy.context.window.scene = copied.scenes[kept]
     bpy.context.view_layer.objects.active = shower(copied.morphs[kept])
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+
+
+def test_pictures_of_a_copy_are_seen_in_its_scene_only(empty_scene, tmp_path):
+    for place, letter in enumerate("AB"):
+        bpy.ops.object.text_add(location=(2 * place, 0, 0))
+        bpy.context.object.data.body = letter
+    bpy.ops.object.select_all(action="SELECT")
+    folder = str(tmp_path / "files")
+    bpy.ops.convwass.bake_morph(frames=2, flat_resolution=64, flat_output="PICTURE", folder=folder)
+    (morph,) = the_morphs()
+    before = pictures_of(morph)
+    bpy.ops.scene.new(type="FULL_COPY")
+    copy = next(other for other in the_morphs() if other != morph)
+    bpy.context.view_layer.objects.active = copy.objects[0]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert pictures_of(morph) == before
+    assert not set(pictures_of(copy)) & set(before)
+    assert all(path.exists() for path in (*before, *pictures_of(copy)))

@@ -5,12 +5,14 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 
 import bpy
 
 from ..edited_materials import is_edited, made_as
 from .materials import drop_unused_groups, is_carrying, release
+from .results import bake_of
+from .stored import WEIGHTS_KEY
 
 _IMAGE_USER = ("frame_start", "frame_offset", "frame_duration", "use_auto_refresh", "use_cyclic")
 
@@ -30,13 +32,15 @@ def take_materials(before: Sequence[bpy.types.Object], after: Sequence[bpy.types
         changed, and those of earlier versions, which cannot be compared. They no longer belong to the morph, and have a
         fake user.
     """
-    alike = defaultdict(list)
+    alike, elsewhere = defaultdict(list), _of_other_morphs({*before, *after})
     for material in carried_materials(before):
         alike[made_as(material)].append(material)
     replaced = []
     for material in carried_materials(after):
         if alike[made_as(material)]:
             kept = alike[made_as(material)].pop(0)
+            if kept in elsewhere and _images(kept) != _images(material):
+                kept = kept.copy()
             _take_images(kept, material)
             material.user_remap(kept)
             replaced.append(material)
@@ -55,10 +59,25 @@ def carried_materials(frames: Sequence[bpy.types.Object]) -> list[bpy.types.Mate
     return list(dict.fromkeys(used))
 
 
+def _of_other_morphs(frames: Set[bpy.types.Object]) -> Set[bpy.types.Material]:
+    """Return the materials of all frames but these; copies of a morph have the materials of the first one."""
+    others = [obj for obj in bpy.data.objects if WEIGHTS_KEY in obj and obj not in frames and bake_of(obj) is not None]
+    return set(carried_materials(others))
+
+
+def _image_nodes(material: bpy.types.Material) -> list[bpy.types.ShaderNodeTexImage]:
+    nodes = material.node_tree.nodes if material.node_tree else ()
+    return [node for node in nodes if node.type == "TEX_IMAGE"]
+
+
+def _images(material: bpy.types.Material) -> dict[str, bpy.types.Image | None]:
+    """Return the images of a material by the names of their nodes."""
+    return {node.name: node.image for node in _image_nodes(material)}
+
+
 def _take_images(material: bpy.types.Material, other: bpy.types.Material) -> None:
     """Let a material show the pictures of another one that was made alike."""
-    nodes = other.node_tree.nodes if other.node_tree else ()
-    for node in [node for node in nodes if node.type == "TEX_IMAGE"]:
+    for node in _image_nodes(other):
         own = material.node_tree.nodes.get(node.name)
         if own is not None and own.type == node.type:
             own.image = node.image
