@@ -102,6 +102,17 @@ def test_parts_are_shown_again_after_the_scene_was_renamed(parts):
     assert hidden_in(bpy.context.scene, parts[:2]) == [False, False]
 
 
+@pytest.mark.parametrize("renamed_scene", [False, True])
+def test_parts_are_shown_again_after_the_view_layer_was_renamed(parts, second_scene, renamed_scene):
+    morph = new_morph()
+    hide_shapes(morph, parts, bpy.context.scene)
+    bpy.context.view_layer.name = "Beauty"
+    if renamed_scene:
+        bpy.context.scene.name = "Shot 10"
+    show_again(hidden_only_by(morph))
+    assert not any(part.hide_get() for part in parts)
+
+
 def test_parts_that_another_morph_hides_stay_hidden_after_the_scene_was_renamed(parts):
     first, second = new_morph(), new_morph()
     hide_shapes(first, parts[:2], bpy.context.scene)

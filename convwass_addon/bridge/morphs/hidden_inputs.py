@@ -230,10 +230,12 @@ def _names(layer: bpy.types.ViewLayer) -> tuple[str, str]:
 
 
 def _present(scene: str, layer: str) -> list[tuple[str, str]]:
-    """Return the names of a scene and a view layer; without a scene of that name, of all layers of that name."""
-    if scene in bpy.data.scenes:
-        return [(scene, layer)]
-    return [(other.name, layer) for other in bpy.data.scenes if layer in other.view_layers]
+    """Return the names of a scene and a view layer; if none of these has a name, as after renaming, of all of them."""
+    found = []
+    for other in [own for own in bpy.data.scenes if own.name == scene] or bpy.data.scenes:
+        names = list(map(_names, other.view_layers))
+        found += [own for own in names if own[1] == layer] or names
+    return found
 
 
 def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
