@@ -17,6 +17,7 @@ from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
 from convwass_addon.bridge.keyframes import curves_of, is_shown
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
 from convwass_addon.bridge.morphs.showing import main_object
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames, stored_morph
@@ -195,6 +196,22 @@ def test_a_player_and_files_start_where_frames_were_moved(morph):
 def armature():
     bpy.ops.object.armature_add(location=(1.0, 0.0, 2.0), rotation=(0.0, 0.5, 0.0))
     return bpy.context.object
+
+
+def test_a_player_is_as_slow_as_the_frames(morph):
+    """Keys are scaled in the Dope Sheet, and one frame is held for longer."""
+    frames = frame_objects(morph)
+    for curve in (own for obj in frames for own in curves_of(obj)):
+        for point in curve.keyframe_points:
+            point.co.x = 2 * point.co.x + (30 if point.co.x > 3 else 0)
+        curve.update()
+    shown = shown_in(morph, range(-5, 60))
+    times = [next(time for time, found in zip(range(-5, 60), shown, strict=True) if found == [n]) for n in range(1, 4)]
+    bpy.ops.convwass.make_player(between="NEAREST")
+    (curve,) = curves_of(main_object(morph))
+    weights = [obj["convwass_weights"][1] for obj in frames]
+    assert [curve.evaluate(time) for time in times] == pytest.approx(weights[1:])
+    assert shows_as_baked(main_object(morph))
 
 
 def test_frames_keep_their_parents(morph):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..animation_time import times_per_second
@@ -60,10 +61,10 @@ from .stand_ins import (
 from .stored import (
     WEIGHTS_KEY,
     frame_number,
+    frame_times,
     frame_weights,
     interpolates,
     some_frame_objects,
-    starting_frame,
     stored_morph,
 )
 from .stored_fields import StoredFields
@@ -127,7 +128,7 @@ def build_player(
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for parent in collections_for_stand_ins(collection):
         parent.objects.link(player)
-    _key(morph_value(player), frames, starting_frame(collection), easing)
+    _key(morph_value(player), frames, frame_times(collection), easing)
     if playback != "ONCE":
         repeat(morph_value(player).curve())
     set_shown(collection, False)
@@ -311,12 +312,12 @@ def _played(
     return menu.outputs["Output"]
 
 
-def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int, easing: str) -> None:
+def _key(value: NodeInput, frames: Sequence[bpy.types.Object], times: NDArray[np.float64], easing: str) -> None:
     """Key the value at every baked shape and at both ends of the bake; at all frames if those between are not even."""
-    values, times = _values(frames), first_frame + np.array([frame_number(obj) for obj in frames])
+    values = _values(frames)
     keyed = np.isin(np.arange(len(frames)), (0, len(frames) - 1)) | (values == np.round(values))
     if easing == "LINEAR" and np.abs(np.interp(times, times[keyed], values[keyed]) - values).max() > SAME_MOMENT:
-        # Frames of a player that was retimed.
+        # Frames of a player that was retimed, or whose keys were moved.
         keyed[:] = True
     for time, own in zip(times[keyed].tolist(), values[keyed].tolist(), strict=True):
         value.set(own)

@@ -30,7 +30,7 @@ from .player_inputs import (
 from .removal import remove_bake
 from .retiming import keyed_span, sole_curve
 from .stand_ins import frames_modifier, shown_morph, stand_ins
-from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, shown_frames
+from .stored import WEIGHTS_KEY, frame_objects, frame_times, frame_weights, shown_frames
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,6 @@ def _plays_as_baked(player: bpy.types.Object) -> bool:
         # It shows the moments between frames that are held.
         return False
     last, item = len(frames[0][WEIGHTS_KEY]) - 1, playback_item(player)
-    times = [span[0] + frame_number(obj) for obj in frames]
-    shown = np.array([shown_value(curve.evaluate(time), item, last) for time in times])
+    shown = np.array([shown_value(curve.evaluate(time), item, last) for time in frame_times(morph)])
     baked = frame_weights(frames) @ np.arange(last + 1)
     return bool(np.abs(shown - baked).max() < SAME_MOMENT)

@@ -277,6 +277,25 @@ def starting_frame(collection: bpy.types.Collection) -> int:
     return round(start) if is_frame else stored_morph(collection).first_frame
 
 
+def frame_times(collection: bpy.types.Collection) -> NDArray[np.float64]:
+    """Return when the frames of a path begin to be shown, (n,): as they were baked, or where all keys are now.
+
+    The first one is shown from the beginning of time; it begins at the pace of those after it.
+
+    Raises
+    ------
+    InputError
+        As for `stored_morph`.
+    """
+    frames = frame_objects(collection)
+    numbers = np.array([frame_number(obj) for obj in frames], dtype=np.float64)
+    keyed = [shown_from(obj) for obj in frames[1:]]
+    if None in keyed or len(keyed) < 2 or (np.diff(keyed) <= 0.0).any() or numbers[2] <= numbers[1]:
+        return starting_frame(collection) + numbers
+    pace = (keyed[1] - keyed[0]) / (numbers[2] - numbers[1])
+    return np.array([keyed[0] - pace * (numbers[1] - numbers[0]), *keyed])
+
+
 def hidden_frames(collection: bpy.types.Collection) -> bpy.types.Collection | None:
     """Return the subcollection with the hidden frame objects of a morph, or None."""
     return next((child for child in collection.children if FRAMES_KEY in child), None)
@@ -297,7 +316,7 @@ def shown_frames(collection: bpy.types.Collection) -> range:
         return keyed
     try:
         # If the first shape lasts for several frames, its key is at their end.
-        return range(min(keyed.start, starting_frame(collection)), keyed.stop)
+        return range(min(keyed.start, math.floor(frame_times(collection)[0])), keyed.stop)
     except InputError:
         return keyed
 
