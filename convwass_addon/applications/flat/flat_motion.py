@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Cancelled, InputError
+from ...errors import InputError
 from ...geometry.planar_fill import Boundary
 from ...progress import Control, Progress, Work, as_part
 from ...sentence import Sentence
@@ -182,8 +182,6 @@ def _moved_part(
     unmoved = MotionChoice("transport", "REGIONS")
     try:
         found = outline_motion(parts, names, pairs, GuidedSettings(coherence=settings.coherence), control)
-    except Cancelled:
-        raise
     except FAILURES as error:
         if settings.motion == "guided":
             raise

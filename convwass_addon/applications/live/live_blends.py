@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import Cancelled, ConvwassError
+from ...errors import Cancelled, InputError, ResourceError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Result, Work, within
@@ -330,9 +330,7 @@ class LiveBlends:
         blends = [Blend(self.layout.weights(node, LEVELS[0])) for node in self.layout.nodes(LEVELS[0])]
         try:
             choice = yield from self._attended(self._choosing(blends, control), control)
-        except Cancelled:
-            raise
-        except ConvwassError as error:
+        except (InputError, ResourceError) as error:
             self.notices.append(Sentence("Transported without a motion: {reason}", {"reason": error.sentence}))
             choice = MotionChoice("transport", "FAILED")
         self._motion_is_known = True

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...errors import Cancelled
 from ...geometry.common_axes import plane_share
 from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
@@ -118,8 +117,6 @@ def _bends(request: MotionRequest, control: Control) -> Work[bool]:
     candidates = MotionCandidates(request, control)
     try:
         return candidates.warp_crumpling((yield from candidates.coarse_warp())) > _BENT
-    except Cancelled:
-        raise
     except FAILURES:
         # The complete warp fails, too, and says why.
         return False

@@ -10,11 +10,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from ...errors import Cancelled, ConvwassError
+from ...errors import InputError, ResourceError
 from .motion import Motion
 
-# SciPy's eigensolvers raise RuntimeError if they do not converge.
-FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
+# Cancelled is not among them. SciPy's eigensolvers raise RuntimeError if they do not converge.
+FAILURES = (InputError, ResourceError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
 """Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it."""
 
 Found = TypeVar("Found")
@@ -24,8 +24,6 @@ def attempted(compute: Callable[..., Found], *arguments: object) -> Found | None
     """Return what is computed from some arguments, or None if that fails on unforeseen meshes."""
     try:
         return compute(*arguments)
-    except Cancelled:
-        raise
     except FAILURES:
         return None
 

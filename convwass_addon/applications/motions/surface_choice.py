@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...errors import Cancelled
 from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.revolved_motion import motion_with_parts
@@ -64,8 +63,6 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
         return (yield from within(unmapped_motion(solid, candidates), begin, 1.0))
     try:
         guided = yield from within(candidates.guided(), begin, _GUIDED_SHARE)
-    except Cancelled:
-        raise
     except FAILURES as error:
         if request.guides:
             raise
@@ -90,8 +87,6 @@ def _may_all_map(candidates: MotionCandidates) -> Work[bool]:
         try:
             if not (yield from as_part(may_map(one, other, candidates.control), number, len(pairs))):
                 return False
-        except Cancelled:
-            raise
         except FAILURES:
             # The complete map fails, too, and says why, or it is better off with more vertices.
             continue

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...errors import Cancelled
 from ...geometry.edges import component_areas
 from ...geometry.mesh import TriangleMesh
 from ...progress import Progress, Work, within
@@ -147,8 +146,6 @@ def _unless_failing(
     try:
         alone = replace(alone, left=candidates.left(alone.motion))
         return (yield from better(alone, candidates))
-    except Cancelled:
-        raise
     except FAILURES as error:
         return replace(alone, failure=str(error))
 

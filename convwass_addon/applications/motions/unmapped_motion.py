@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...errors import Cancelled
 from ...progress import Progress, Work
 from ...sentence import Sentence
 from .motion_candidates import MotionCandidates
@@ -28,8 +27,6 @@ def unmapped_motion(unmoved: MotionChoice, candidates: MotionCandidates) -> Work
         return replace(unmoved, reason="BENT")
     try:
         warped = yield from candidates.warped(unmoved)
-    except Cancelled:
-        raise
     except FAILURES as error:
         return replace(unmoved, reason="FAILED", failure=str(error))
     if candidates.joins(warped):

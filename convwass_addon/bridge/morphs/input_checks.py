@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ...errors import Cancelled, ConvwassError
+from ...errors import ConvwassError, InputError, ResourceError
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ...sentence import Sentence
@@ -140,7 +140,5 @@ def _checked(obj: Handle, read: _Read, control: Control) -> CheckedShape:
         return CheckedShape(obj, error=read.error)
     try:
         return CheckedShape(obj, check_shape(read.mesh, control))
-    except Cancelled:
-        raise
-    except ConvwassError as error:
+    except (InputError, ResourceError) as error:
         return CheckedShape(obj, error=error.sentence)
