@@ -179,7 +179,7 @@ def angle_of(vertices):
 def posed():
     """The motion of a straight rod and a bent one, whose vertices belong together."""
     shapes = [rod(0.0), rod(1.5)]
-    carriers = tuple(carrier_of(shape, "rod", np.empty(0, np.int64), 6000, Control()) for shape in shapes)
+    carriers = tuple(carrier_of(shape, "rod", 6000, Control()) for shape in shapes)
     found = {}
     for one, other in ((0, 1), (1, 0)):
         laid = Laid(carriers[other].mesh.vertices, np.ones(len(carriers[one].mesh.vertices)))

@@ -161,8 +161,8 @@ class Carrier:
         return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), self.rest.vertices) + blended[:, 9:]
 
 
-def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: int, control: Control) -> Carrier:
-    """Prepare a shape for deformation.
+def carrier_of(mesh: TriangleMesh, name: str, count: int, control: Control) -> Carrier:
+    """Prepare a shape without guides for deformation.
 
     Parameters
     ----------
@@ -170,8 +170,6 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
         Any triangles; scene units.
     name : str
         Name of the shape, for messages.
-    kept : (k,) int64
-        Vertices that must be among the carrier's.
     count : int
         Wanted number of vertices of the carrier.
     control : Control
@@ -182,13 +180,13 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     InputError
         The mesh has no area, is too far from the origin, or cannot be simplified enough.
     """
-    return drained(carrier_steps(mesh, name, kept, count, control))
+    return drained(carrier_steps(mesh, name, np.empty(0, np.int64), count, control))
 
 
 def carrier_steps(
     mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: int, control: Control
 ) -> Generator[float, None, Carrier]:
-    """Yield the finished share of the work, and return the same as :func:`carrier_of`."""
+    """Yield the finished share of the work, and return the same as :func:`carrier_of`, with `kept` vertices, (k,)."""
     require_surface(mesh, name)
     control.check()
     cut = bendable(mesh, int(_NEAR_ENOUGH * count))

@@ -168,10 +168,8 @@ def _guided_along(
 ) -> GuidedMotion:
     """Return a guided motion whose maps are those of another motion, which moves shapes onto each other."""
     settings = GuidedSettings(coherence=coherence)
-    none = np.empty(0, np.int64)
     carriers = [
-        carrier_of(shape, name, none, settings.carrier_vertices, control)
-        for shape, name in zip(shapes, names, strict=True)
+        carrier_of(shape, name, settings.carrier_vertices, control) for shape, name in zip(shapes, names, strict=True)
     ]
     deformations = {}
     for one, other in pairs:

@@ -24,7 +24,6 @@ _CARRIER_VERTICES, _MAP_VERTICES = 1500, 240
 _PROMISING = 0.7
 # Rough maps do not depend on turns by less than this angle.
 _SMALL = np.radians(20.0)
-_NO_VERTICES = np.empty(0, np.int64)
 
 
 def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work[bool]:
@@ -43,7 +42,7 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
         The meshes cannot be mapped.
     """
     yield Progress(0.0, Sentence("Comparing the shapes"))
-    one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
+    one, other = (carrier_of(mesh, "", _CARRIER_VERTICES, control) for mesh in (first, second))
     turns = symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)
     poses = [one, *(turned_carrier(one, turn) for turn in turns if turn is not None)]
     return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)

@@ -163,10 +163,9 @@ def moved_sheets(
     coherence = min(settings.coherence, FULL_COHERENCE)
     most = max(len(sheet.mesh.vertices) for sheet in sheets)
     settings = replace(settings, coherence=coherence, carrier_vertices=max(2 * most, _VERTICES))
-    none = np.empty(0, np.int64)
     count = settings.carrier_vertices
     carriers = tuple(
-        side_by_side(lambda shape: carrier_of(sheets[shape].mesh, names[shape], none, count, control), len(sheets))
+        side_by_side(lambda shape: carrier_of(sheets[shape].mesh, names[shape], count, control), len(sheets))
     )
     if matched.unrolls:
         carriers = tuple(carrier.following_gradients() for carrier in carriers)

@@ -15,7 +15,7 @@ from tests.shapes import ball, joined
 def test_a_shape_turns_and_stretches_as_its_coarser_mesh():
     """Two balls, each by a linear map of its own; means of the coarser vertices would cut off what bulges."""
     shape = joined(ball(points=500), ball(center=(3.0, 0.0, 0.0), points=500))
-    carrier = carrier_of(shape, "balls", np.empty(0, np.int64), 150, UNINTERRUPTED)
+    carrier = carrier_of(shape, "balls", 150, UNINTERRUPTED)
     assert len(carrier.mesh.vertices) < 200
     maps = np.stack([Rotation.from_rotvec([0.5, -1.2, 0.3]).as_matrix(), np.diag([2.0, 1.0, 0.5])])
 

@@ -22,7 +22,6 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import arm
 from tests.shapes import shuffled
 
-NONE = np.empty(0, np.int64)
 ALL = list(combinations(range(3), 2))
 
 
@@ -66,7 +65,7 @@ def between(points, one, other):
 def test_exact_maps_are_composed_exactly(way):
     straight = arm(0.0)[0]
     images = [TriangleMesh(between(straight.vertices, 0, index), straight.faces) for index in range(4)]
-    carriers = [carrier_of(shuffled(own, seed)[0], "arm", NONE, 800, UNINTERRUPTED) for seed, own in enumerate(images)]
+    carriers = [carrier_of(shuffled(own, seed)[0], "arm", 800, UNINTERRUPTED) for seed, own in enumerate(images)]
     deformations = {}
     for one, other in pairwise(way):
         points = between(carriers[one].mesh.vertices, one, other)

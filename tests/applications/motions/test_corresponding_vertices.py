@@ -161,7 +161,7 @@ def test_components_of_one_kind_keep_their_order(count):
 def test_vertices_that_no_triangle_uses_have_a_place():
     long = box((1.0, 1.0, 4.0))
     loose = TriangleMesh(np.concatenate([long.vertices, [[9.0, 9.0, 9.0]]]), long.faces)
-    carrier = carrier_of(loose, "a box", np.empty(0, np.int64), 6000, Control())
+    carrier = carrier_of(loose, "a box", 6000, Control())
     assert carrier.parents is not None
     found = carrier.embedding(loose).interpolated(loose.corners)
     np.testing.assert_allclose(np.delete(found, 8, axis=0), np.delete(carrier.rest.vertices, 8, axis=0), atol=1e-12)
@@ -172,7 +172,7 @@ def test_vertices_that_no_triangle_uses_have_a_place():
 def test_every_point_moves_to_the_same_place(mesh, count):
     """Between an affine image and the mesh, on divided, equal and coarser meshes."""
     shapes = mesh, moved(mesh)
-    one, other = (carrier_of(shape, "a shape", np.empty(0, np.int64), count, Control()) for shape in shapes)
+    one, other = (carrier_of(shape, "a shape", count, Control()) for shape in shapes)
     pair = corresponding_pair(shapes, (one, other))
     np.testing.assert_allclose(pair.laid.first.points, moved(one.mesh).vertices, atol=1e-9)
     np.testing.assert_allclose(
@@ -203,7 +203,7 @@ def test_both_shapes_meet(bending, time):
 def test_dividing_points_move_with_their_triangles():
     """Shapes moved by affine maps meet in the affine map that is their mean."""
     long = box((1.0, 1.0, 4.0))
-    carriers = [carrier_of(shape, "a box", np.empty(0, np.int64), 6000, Control()) for shape in (long, moved(long))]
+    carriers = [carrier_of(shape, "a box", 6000, Control()) for shape in (long, moved(long))]
     begins, ends = (carrier.rest for carrier in carriers)
     assert min(len(begins.vertices), len(ends.vertices)) > 1000
     weights, way = np.array([0.3, 0.7]), 0.5

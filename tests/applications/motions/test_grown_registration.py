@@ -18,7 +18,7 @@ NONE = np.empty(0, np.int64)
 
 
 def carrier(mesh):
-    return coarser(carrier_of(mesh, "shape", NONE, 2000, Control()), NONE, 500, Control())
+    return coarser(carrier_of(mesh, "shape", 2000, Control()), NONE, 500, Control())
 
 
 def test_a_limb_is_followed_around_its_bend():

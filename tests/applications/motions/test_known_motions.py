@@ -23,8 +23,6 @@ from tests.applications.maps import arm
 from tests.grids import figure
 from tests.shapes import ball, joined
 
-NONE = np.empty(0, np.int64)
-
 
 def fine(mesh, share=0.028):
     """The same surface, with edges so short that motions do not cut them."""
@@ -39,7 +37,7 @@ def known_motion(shapes, pairs=None, **settings):
     """A motion between meshes of the same triangles, whose vertices belong together."""
     # Meshes of so many vertices are neither divided nor simplified.
     counts = [1 + 2 * len(mesh.vertices) // 3 for mesh in shapes]
-    carriers = [carrier_of(mesh, f"shape {k}", NONE, counts[k], Control()) for k, mesh in enumerate(shapes)]
+    carriers = [carrier_of(mesh, f"shape {k}", counts[k], Control()) for k, mesh in enumerate(shapes)]
     found = {}
     for one, other in pairs or [(i, j) for j in range(len(shapes)) for i in range(j)]:
         for ends in ((one, other), (other, one)):

@@ -14,12 +14,10 @@ from convwass_addon.applications.motions.shape_deformations import split_deforma
 from convwass_addon.progress import UNINTERRUPTED
 from tests.grids import sheet
 
-NONE = np.empty(0, np.int64)
-
 
 def quality(source, target, laid):
     """The figures of a sheet on another one, on which a function lays its points."""
-    one, other = (carrier_of(mesh, "sheet", NONE, 4000, UNINTERRUPTED) for mesh in (source, target))
+    one, other = (carrier_of(mesh, "sheet", 4000, UNINTERRUPTED) for mesh in (source, target))
     points = Laid(laid(one.mesh.vertices), np.ones(len(one.mesh.vertices)))
     return map_quality(one, other, split_deformation(one, other, points, None, UNINTERRUPTED))
 

@@ -24,7 +24,7 @@ HALF = rotation_matrices(np.array([[0.0, 0.0, np.pi]]))[0]
 @pytest.fixture(scope="module")
 def cow():
     mesh = orient_outward(read_meshes([ASSETS / "cow.ply"])[0])
-    return carrier_of(mesh, "cow", np.empty(0, np.int64), 500, UNINTERRUPTED)
+    return carrier_of(mesh, "cow", 500, UNINTERRUPTED)
 
 
 def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow):

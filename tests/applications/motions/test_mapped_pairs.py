@@ -103,7 +103,7 @@ def surveyed(monkeypatch, score, symmetry, detour, place=0, rough=0.1, stretch=0
     ids=["sides are kept after the turn", "and before", "nothing is doubtful", "the score is high"],
 )
 def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, other, tried, angle):
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, standing)
     asked = surveyed(monkeypatch, *other, place=-1)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
@@ -114,7 +114,7 @@ def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, othe
 
 def test_flat_shapes_are_not_turned_around_in_doubt(monkeypatch):
     """They face no way in their plane, and another map would take twice as long."""
-    carrier = carrier_of(sheet(61, 11, (3.0, 0.5)), "bar", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(sheet(61, 11, (3.0, 0.5)), "bar", 600, UNINTERRUPTED)
     asked = surveyed(monkeypatch, 0.9, 0.9, 1.0)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
@@ -128,7 +128,7 @@ def test_flat_shapes_are_not_turned_around_in_doubt(monkeypatch):
 @pytest.mark.parametrize(("other", "score"), [(0.6, 0.6), (0.05, 0.15)], ids=["it is better", "it is not"])
 def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other, score):
     """With sides, maps are poor if they and the registrations, of confidence 0.5, are."""
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.15, symmetry, 1.0))
     asked = surveyed(monkeypatch, other, symmetry, 1.0)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
@@ -139,7 +139,7 @@ def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other,
 
 @pytest.mark.parametrize(("other", "score"), [(0.38, 0.3), (0.42, 0.42)])
 def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch, other, score):
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.3, 0.2, 1.0))
     surveyed(monkeypatch, other, 0.2, 1.0)
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -151,7 +151,7 @@ def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch
 )
 def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standing, other, score):
     """An upright map of symmetric shapes may have two thirds of the score, unless that leaves no doubt."""
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (standing, 0.2, 1.0, 0.0, True))
     surveyed(monkeypatch, other, 0.2, 1.0)
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -180,7 +180,7 @@ def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
 
     Rough maps with a score of 1 would be promising, but no map is good enough to be used instead.
     """
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (standing, symmetry, 1.0, 0.0, False, 0.2))
     tried = surveyed(monkeypatch, other, symmetry, 1.0, rough=rough, stretch=stretch)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
@@ -193,14 +193,14 @@ def test_the_first_map_remains_where_no_rough_one_can_be_solved(monkeypatch):
         yield from ()
         raise InputError("Too coarse.")
 
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.3, 0.2, 1.0))
     monkeypatch.setattr(mapped_pairs, "_registered_from_survey", failing)
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.3
 
 
 def test_shapes_without_limbs_need_no_other_map(monkeypatch):
-    body, round_one = (carrier_of(m, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED) for m in (figure()[0], ball()))
+    body, round_one = (carrier_of(m, "shape", 600, UNINTERRUPTED) for m in (figure()[0], ball()))
     for pair in ((body, round_one), (round_one, body)):
         asked = registrations(monkeypatch, (0.1, None, 1.0))
         others = surveyed(monkeypatch, 0.6, None, 1.0)
@@ -210,7 +210,7 @@ def test_shapes_without_limbs_need_no_other_map(monkeypatch):
 
 def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):
     shape = figure()[0]
-    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(shape, "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(facing_turns, "upright_turn", lambda *_shapes: about_z(90.0))
     asked = registrations(monkeypatch, (0.6, 0.9, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
@@ -222,7 +222,7 @@ def across():
     """Carriers of a figure as it stands, and turned by a quarter; as they stand, they map with a score of 0.6."""
     shape = figure()[0]
     meshes = shape, TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
-    return [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in meshes]
+    return [carrier_of(mesh, "figure", 600, UNINTERRUPTED) for mesh in meshes]
 
 
 def by_limbs(monkeypatch, score):
@@ -288,7 +288,7 @@ def test_shapes_without_mirror_planes_are_not_turned_by_their_limbs(monkeypatch)
     monkeypatch.setattr(mapped_pairs, "limb_pairs", unwanted)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     meshes = figure()[0], spring(3)
-    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in meshes]
+    carriers = [carrier_of(mesh, "one", 600, UNINTERRUPTED) for mesh in meshes]
     registrations(monkeypatch, (0.9, None, 1.0))
     assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
 
@@ -298,7 +298,7 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     """As their toes tell, unless that brings them much farther from each other."""
     first, second = person(), shuffled(person())[0]
     second = TriangleMesh(second.vertices @ about_z(degrees).T, second.faces)
-    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (first, second)]
+    carriers = [carrier_of(mesh, "one", 600, UNINTERRUPTED) for mesh in (first, second)]
     registrations(monkeypatch, (0.95, 0.95, 1.0))
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, farther))
@@ -317,7 +317,7 @@ def test_a_raised_tail_does_not_become_the_head():
     """An animal that faces another way than a person is turned, and stands up."""
     first, second, degrees = animal(RAISED_TAIL), person(), 90.0
     carriers = [
-        carrier_of(mesh, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED)
+        carrier_of(mesh, "shape", 600, UNINTERRUPTED)
         for mesh in (TriangleMesh(first.vertices @ about_z(degrees).T, first.faces), second)
     ]
     found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -331,7 +331,7 @@ def test_a_raised_tail_does_not_become_the_head():
 
 def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     """Such as that of one body in two poses, one of which seems to face another way."""
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
@@ -342,7 +342,7 @@ def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
 )
 def test_shapes_are_not_turned_if_that_stretches_them_more(monkeypatch, score, stretch, turns):
     """Someone who kneels and someone who sits with straight legs are as close to each other back to front."""
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.965, 1.0, 1.0, 0.0, False, 0.15), (score, 1.0, 1.0, 0.0, False, stretch))
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -351,7 +351,7 @@ def test_shapes_are_not_turned_if_that_stretches_them_more(monkeypatch, score, s
 
 @pytest.mark.parametrize(("stretch", "score"), [(0.21, 0.97), (0.23, 0.6)])
 def test_a_rough_map_does_not_turn_shapes_if_that_stretches_them_clearly_more(monkeypatch, stretch, score):
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.6, None, 1.0, 0.0, False, 0.2), (0.5, None, 1.0, 0.0, False, 0.2))
     asked = surveyed(monkeypatch, 0.97, None, 1.0, place=1, rough=0.8, stretch=stretch)
@@ -364,7 +364,7 @@ def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, 
     """Beyond doubt, if the planes are not parallel as the shapes stand."""
     shape = figure(10)[0]
     facing = TriangleMesh(shape.vertices @ about_z(degrees).T, shape.faces)
-    carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED) for mesh in (shape, facing)]
+    carriers = [carrier_of(mesh, "figure", 5000, UNINTERRUPTED) for mesh in (shape, facing)]
     hand = int(np.argmax(shape.vertices @ (0.9, 0.1, 0.35)))
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     asked = registrations(monkeypatch, *[(0.5, 0.5, 1.0)] * (count - 1), (0.6, 0.9, 1.0))
@@ -383,7 +383,7 @@ def figure_without_maps(monkeypatch):
 
     monkeypatch.setattr(mapped_pairs, "pair_map", unwanted)
     shape = figure()[0]
-    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(shape, "figure", 600, UNINTERRUPTED)
     return carrier, [
         int(np.argmax(shape.vertices @ way)) for way in ((0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.0, -0.9, -0.2))
     ]

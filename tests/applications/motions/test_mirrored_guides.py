@@ -22,7 +22,7 @@ HAND, HEAD, FOOT = (
 
 
 def carried(mesh):
-    return carrier_of(mesh, "shape", np.empty(0, np.int64), 1000, UNINTERRUPTED)
+    return carrier_of(mesh, "shape", 1000, UNINTERRUPTED)
 
 
 def turned(degrees):

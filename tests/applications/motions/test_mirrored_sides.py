@@ -59,7 +59,7 @@ def test_maps_that_commute_with_the_reflections_keep_the_sides(sides):
 
 def test_what_a_registration_gets_right_on_one_side_is_taken_for_the_other():
     """One arm is registered to the other one."""
-    carrier = carrier_of(FIGURE, "figure", np.empty(0, np.int64), 6000, UNINTERRUPTED)
+    carrier = carrier_of(FIGURE, "figure", 6000, UNINTERRUPTED)
     mesh, drafts = carrier.mesh, DraftPair((carrier, carrier), NO_PAIRS, UNINTERRUPTED)
     sides = MirroredSides.of(mesh, mesh)
     arm = (mesh.vertices[:, 0] > 0.8) & (mesh.vertices[:, 2] > 0.0)

@@ -56,9 +56,7 @@ def test_heights_rise_from_the_lowest_vertex_to_half():
 
 
 def test_a_doubtful_map_stands_upright():
-    first, second = (
-        carrier_of(mesh, name, NO_PAIRS[:, 0], 500, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
-    )
+    first, second = (carrier_of(mesh, name, 500, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s")))
     assert MirroredSides.of(first.mesh, second.mesh) is None
     found = drained(pair_map(first, second, NO_PAIRS, 300, UNINTERRUPTED))
     z = first.mesh.vertices[:, 2]
@@ -83,7 +81,7 @@ def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, uprig
         )
 
     monkeypatch.setattr(pair_maps, "_solved", solved)
-    carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    carriers = [carrier_of(mesh, "shape", 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
     found = drained(pair_map(*carriers, NO_PAIRS, 1000, UNINTERRUPTED))
     assert (found.found, found.score) == (taken, scores[taken])
     assert len(weights) == (1 if plain == 0.5 else 2)
@@ -103,7 +101,7 @@ def test_the_map_without_guides_follows_those_that_it_does_not_contradict(monkey
     monkeypatch.setattr(pair_maps, "_solved", of_pairs)
     monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.array(missed))
     monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
-    carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    carriers = [carrier_of(mesh, "shape", 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
     found = drained(pair_map(*carriers, pairs, 1000, UNINTERRUPTED))
     assert found.score == 0.8
     np.testing.assert_array_equal(found.pairs, pairs[followed])
@@ -126,7 +124,7 @@ def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided
     monkeypatch.setattr(pair_maps, "_solved", solved)
     monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.zeros(1))
     monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
-    carriers = [carrier_of(figure(10)[0], "figure", NO_PAIRS[:, 0], 5000, UNINTERRUPTED) for _ in range(2)]
+    carriers = [carrier_of(figure(10)[0], "figure", 5000, UNINTERRUPTED) for _ in range(2)]
     sides = MirroredSides.of(*(own.mesh for own in carriers))
     found = drained(pair_map(*carriers, pairs, 1000, UNINTERRUPTED, sides))
     assert (found.score, len(scores)) == (expected, count)

@@ -63,7 +63,7 @@ def test_skin_keeps_its_place_along_an_arm_that_is_raised(raised_arm, motion, sh
     ("firm", "spread", "expected"), [(0.97, None, 0.97), (0.6, 0.7, 0.7), (0.6, 0.61, 0.6), (0.6, 0.5, 0.6)]
 )
 def test_strain_is_spread_where_that_is_clearly_more_consistent(monkeypatch, firm, spread, expected):
-    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     start = Laid(carrier.rest.vertices, np.ones(len(carrier.rest.vertices)))
     yields = []
 
@@ -84,7 +84,7 @@ def test_flat_shapes_do_not_follow_every_bump():
     x, y, z = (plain.vertices - (0.0, 0.25, 0.0)).T
     waves = 1.0 + 0.4 * np.cos(2.0 * np.pi * x / 0.6)
     bars = [TriangleMesh(np.column_stack([x, own, z]), plain.faces) for own in (y, waves * y)]
-    carriers = tuple(carrier_of(bar, "bar", np.empty(0, np.int64), 6000, UNINTERRUPTED) for bar in bars)
+    carriers = tuple(carrier_of(bar, "bar", 6000, UNINTERRUPTED) for bar in bars)
     starts = tuple(Laid(own.rest.vertices, np.ones(len(own.rest.vertices))) for own in carriers)
     found = laid_on_each_other(carriers, starts, np.empty((0, 2), np.int64), None, UNINTERRUPTED)
     edge = (np.abs(y) > 0.249) & (np.abs(x - 1.5) < 1.2)

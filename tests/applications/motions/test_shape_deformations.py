@@ -21,7 +21,7 @@ THICKNESS = 0.04
 def plate():
     square = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     mesh = extruded(square, low=-0.5 * THICKNESS, high=0.5 * THICKNESS, edge=0.05)
-    return carrier_of(mesh, "plate", np.empty(0, np.int64), 4000, UNINTERRUPTED)
+    return carrier_of(mesh, "plate", 4000, UNINTERRUPTED)
 
 
 def deformed(carrier, points):
