@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .normals import vertex_normals
+from .steps import linear_step
 from .unit_shape import UnitShape
 
 # Normals are averaged over neighborhoods of this size, on the surface of unit area, and this number of times; together,
@@ -48,7 +49,7 @@ class LimbAxes:
         normals = vertex_normals(shape.vertices, shape.mesh.faces)
         values, vectors = np.linalg.eigh(_averaged(shape, _squares(normals), _WIDTH, _ROUNDS))
         roundness = 2.0 * (values[:, 1] - values[:, 0])
-        certain = np.clip((roundness - _FLAT) / (_ROUND - _FLAT), 0.0, 1.0)
+        certain = linear_step(roundness, _FLAT, _ROUND)
         around = _averaged(shape, certain[:, None, None] * _squares(vectors[:, :, 0]), _FAR, 1)
         values, vectors = np.linalg.eigh(around)
         covered = np.maximum(values.sum(axis=1), np.finfo(float).tiny)

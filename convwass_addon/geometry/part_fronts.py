@@ -16,6 +16,7 @@ from scipy.ndimage import binary_dilation, find_objects, gaussian_filter, label,
 from skimage.graph import MCP_Geometric
 
 from .boxes import Box, grown_box
+from .steps import linear_step
 
 # Components of an intersection are large from this fraction of the largest one on.
 _LARGE = 0.05
@@ -248,7 +249,7 @@ class PartFronts:
         around = _filled_around(solid, part.box)
         measured = Along.of(part.cells, core[part.box])
         known = np.isfinite(measured.distance) & part.cells
-        slender = np.clip((_BROAD - around[known]) / (_BROAD - _SLENDER), 0.0, 1.0)
+        slender = linear_step(around[known], _BROAD, _SLENDER)
         hold = np.zeros(known.shape, np.float32)
         hold[known] = _HELD * (1.0 - slender) + part.without_front[known] * measured.reach[known]
         distance = np.where(known, measured.distance - np.float32(0.5), np.float32(0.0))

@@ -35,6 +35,7 @@ from .fold_damping import without_folds
 from .mesh import TriangleMesh
 from .missed_rims import FARTHEST, MissedRims, missed_rims
 from .normals import mean_directions, triangle_normals, unit_vectors, vertex_normals
+from .steps import linear_step
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 from .volume_correction import with_volume
@@ -338,7 +339,7 @@ class _Laid:
         weights = np.zeros(len(self.normals))
         for own, rims in zip(self.carried, found, strict=True):
             weights[rims.vertices] += own.source.weight
-        sharpness = np.clip((weights - _SOFT) / (_SHARP - _SOFT), 0.0, 1.0)
+        sharpness = linear_step(weights, _SOFT, _SHARP)
         carried = [own.to_rims(rims, sharpness) for own, rims in zip(self.carried, found, strict=True)]
         return replace(self, carried=carried)
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .limb_axes import LimbAxes
 from .rotation_fields import nearest_branches, rotation_matrices, rotation_vectors
 from .rotations import nearest_rotations
+from .steps import linear_step
 
 # Rotations by more than the first angle, in radians, are divided less and less, and not at all beyond the second one:
 # of half a turn about an axis across the limb, any part can be twist.
@@ -109,7 +110,7 @@ def divided_turns(whole: NDArray[np.float64], vectors: NDArray[np.float64], axes
     # The same rotation by at most half a turn.
     twists -= 2.0 * np.pi * np.round(twists / (2.0 * np.pi))
     angles = np.linalg.norm(vectors, axis=1)
-    weights = axes.weights * np.clip((_WHOLE - angles) / (_WHOLE - _DIVIDED), 0.0, 1.0)
+    weights = axes.weights * linear_step(angles, _WHOLE, _DIVIDED)
     return turns_with_twists(whole, vectors, (weights * twists)[:, None] * axes.directions)
 
 

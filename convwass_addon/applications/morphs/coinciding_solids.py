@@ -23,6 +23,7 @@ from scipy.special import ndtr
 
 from ...geometry.boxes import box_around, slabs
 from ...geometry.plane_depths import plane_depths
+from ...geometry.steps import smooth_step
 from ...geometry.thin_parts import normalized_solid
 from .growing_parts import extend, growing_in_place
 from .mean_solid import mean_solid
@@ -108,13 +109,13 @@ class CoincidingSolids:
 
     def _sparing_small_rests(self) -> CoincidingSolids:
         """Let the solids agree everywhere if they disagree on little of the surface."""
-        spared = np.clip((_LARGE_REST - self.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)
+        spared = smooth_step(self.disagreement, _LARGE_REST, _SMALL_REST)
         if spared == 0.0:
             return self
         if spared == 1.0:
             # One number stands for all cells.
             return replace(self, agreement=np.broadcast_to(np.float32(1.0), self.density.shape))
-        raised = np.maximum(self.agreement, np.float32(spared**2 * (3.0 - 2.0 * spared)))
+        raised = np.maximum(self.agreement, np.float32(spared))
         return replace(self, agreement=raised)
 
     @cached_property

@@ -15,6 +15,7 @@ from scipy.ndimage import map_coordinates
 from ...geometry.distortion import vertex_distortions
 from ...geometry.facing_points import FacingShape
 from ...geometry.normals import vertex_normals
+from ...geometry.steps import linear_step, smooth_step
 from ...geometry.surface_detail import DetailedSurface, DetailSource, with_detail
 from ...progress import Control
 from ..motions.motion import MovedShape
@@ -96,7 +97,7 @@ def detailed_blend(
 def reliability_of(shape: MovedShape) -> NDArray[np.float64]:
     """Return the reliability of a moved shape's detail at its vertices, (n,): high where it is little distorted."""
     distortions = vertex_distortions(shape.rest, shape.vertices)
-    return np.clip((_CRUMPLED - distortions) / (_CRUMPLED - _SOUND), 0.0, 1.0)
+    return linear_step(distortions, _CRUMPLED, _SOUND)
 
 
 def starts_of_transport(frame: MorphFrame) -> Starts:
@@ -124,7 +125,7 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
     at = partial(_sampled, low=lattice.origin + lattice.centers[0], spacing=lattice.spacing, points=mesh.vertices)
     depths = np.stack([at(depth) for depth in solids.depths])
     points = mesh.vertices + lattice.spacing * depths[..., None] * vertex_normals(mesh.vertices, mesh.faces)
-    near = np.clip((_UNRELATED - np.abs(depths)) / (_UNRELATED - _RELATED), 0.0, 1.0)
+    near = linear_step(np.abs(depths), _UNRELATED, _RELATED)
     if frame.origins is None:
         return Starts(points, near)
     agreement = at(solids.agreement)
@@ -134,8 +135,7 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
 
 def _certainty(weights: Sequence[float]) -> NDArray[np.float64]:
     """Return how certain transport is of origins on every shape, (k,): more for shapes of larger weight."""
-    share = np.clip((np.asarray(weights) - _UNKNOWN) / (_KNOWN - _UNKNOWN), 0.0, 1.0)
-    return share**2 * (3.0 - 2.0 * share)
+    return smooth_step(weights, _UNKNOWN, _KNOWN)
 
 
 def _sampled(

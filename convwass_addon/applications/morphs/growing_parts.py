@@ -16,6 +16,7 @@ from scipy.ndimage import gaussian_filter
 from ...geometry.boxes import Box, slabs
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.near import capped_distances
+from ...geometry.steps import smooth_step
 
 # Grids are halved until they have no more cells along a side, those of distances at most once.
 _MOST_CELLS = 64
@@ -60,8 +61,7 @@ def growing_in_place(
         gaussian_filter(np.concatenate(own), sigma, truncate=_REACH) for own in zip(*means, strict=True)
     )
     share = np.ptp(smooth, axis=0) / np.maximum(differing, 1e-4)
-    rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
-    return grid.interpolated(rising**2 * (3.0 - 2.0 * rising), box)
+    return grid.interpolated(smooth_step(share, _MOVED, _GROWN), box)
 
 
 def extend(depth: NDArray[np.float32], known: float) -> None:

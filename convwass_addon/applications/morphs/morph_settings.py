@@ -7,9 +7,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...errors import InputError
+from ...geometry.steps import linear_step
 from ...schema import Choice, Companion, Settings, setting
 
 # Automatic sharpness: the first value, rising to 1 where the largest weight exceeds the second.
@@ -305,7 +304,7 @@ class MorphSettings(Settings):
         """Sharpness of the blend with these weights, after the automatic choice."""
         if self.sharpness is not None:
             return min(self.sharpness, _SHARPEST)
-        near = np.clip((max(weights) - _CRISP_FROM) / (1.0 - _CRISP_FROM), 0.0, 1.0)
+        near = linear_step(max(weights), _CRISP_FROM, 1.0)
         return min(float(_SHARPNESS + (1.0 - _SHARPNESS) * near**2 * (3.0 - 2.0 * near)), _SHARPEST)
 
     @property

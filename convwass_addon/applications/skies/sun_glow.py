@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
+from ...geometry.steps import smooth_step
 from ...transport.sphere import directions
 from .lamps import Lamp
 from .sky_images import LUMINANCE
@@ -88,7 +89,7 @@ def _windows(suns: Sequence[Lamp], height: int, settings: SkySettings) -> NDArra
     """1 around every sun, 0 far from it, (suns, rows, columns)."""
     vectors = directions(height, 2 * height)
     angles = [np.degrees(np.arccos(np.clip(vectors @ sun.direction, -1.0, 1.0))) for sun in suns]
-    return np.array([1.0 - _smooth((angle - settings.near) / (settings.far - settings.near)) for angle in angles])
+    return np.array([1.0 - smooth_step(angle, settings.near, settings.far) for angle in angles])
 
 
 def reflecting(light: NDArray[np.float64], reflected: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -129,7 +130,7 @@ def _reflected(
     if not counted.any():
         return reflected
     for row, (own, near) in enumerate(zip(excess, part, strict=True)):
-        falling = 1.0 - _smooth((row + 0.5) * (90.0 / rows) / _DEEPEST)
+        falling = 1.0 - smooth_step((row + 0.5) * (90.0 / rows), 0.0, _DEEPEST)
         if falling <= 0:
             break
         far = near <= 0
@@ -149,9 +150,3 @@ def _haze(rest: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.ones(rows)
     means = gaussian_filter1d(np.median(luminance, axis=1) / middle, _HAZE_DEGREES * rows / 180.0, mode="nearest")
     return np.clip(np.concatenate([means, np.full(rows - start, means[-1])]), 1.0, _MOST_HAZE)
-
-
-def _smooth(share: NDArray[np.float64] | float) -> NDArray[np.float64]:
-    """Smoothstep from 0 to 1."""
-    inside = np.clip(share, 0.0, 1.0)
-    return inside * inside * (3.0 - 2.0 * inside)

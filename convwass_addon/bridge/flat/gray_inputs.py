@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
 from ...errors import InputError
+from ...geometry.steps import linear_step
 from ..scene_colors import srgb_of_scene
 from ..visibility import evaluated_object
 from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of
@@ -104,7 +105,7 @@ def _fullness(name: str, figure: NDArray[np.float32]) -> NDArray[np.float32]:
     base, top = float(np.median(border_of(figure))), float(figure.max())
     if top - base < _FAINT:
         raise one_tone(name)
-    full = np.clip((figure - base) / (top - base), 0.0, 1.0)
+    full = linear_step(figure, base, top)
     # Faint values are noise, and would add mass all over the picture.
     return np.where(full < _FAINT, 0.0, full)
 
