@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .bounds import common_bounds
 from .integer_ranges import integer_ranges
 from .planar_fill import Boundary
 
@@ -69,10 +70,9 @@ def overlaps(areas: Sequence[Boundary], cells: int) -> NDArray[np.float64]:
     cells : int
         Cells along the longest side of a grid over all.
     """
-    bounds = np.concatenate([area.bounds for area in areas])
-    low, size = bounds.min(axis=0), np.ptp(bounds, axis=0)
-    scale = cells / float(size.max())
-    shape = tuple(int(count) for count in np.ceil(size * scale).astype(int) + 1)
+    low, high = common_bounds([area.bounds for area in areas])
+    scale = cells / float((high - low).max())
+    shape = tuple(int(count) for count in np.ceil((high - low) * scale).astype(int) + 1)
     covered = np.stack([coverage(area.moved(-low * scale, scale), shape).ravel() for area in areas])
     unions = np.stack([np.maximum(own, covered).sum(axis=1) for own in covered])
     both = np.stack([np.minimum(own, covered).sum(axis=1) for own in covered])

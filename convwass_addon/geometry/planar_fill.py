@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .bounds import bounds_of
 from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 from .outlines import Rule
@@ -74,8 +75,7 @@ class Boundary:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Lower and upper corner, (2, 2)."""
-        both = np.concatenate([self.starts, self.ends])
-        return np.stack([both.min(axis=0), both.max(axis=0)])
+        return bounds_of(np.concatenate([self.starts, self.ends]))
 
     def moved(self, offset: ArrayLike, factor: float = 1.0) -> Boundary:
         """Return the boundary scaled and then translated."""

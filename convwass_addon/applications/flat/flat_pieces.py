@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.bounds import common_bounds
 from ...geometry.coverage import coverage
 from ...geometry.pixels import means_in_cells
 from ...geometry.planar_fill import Boundary, filled_boundary
@@ -60,8 +61,7 @@ class FilledPieces:
     @property
     def bounds(self) -> NDArray[np.float64]:
         """Low and high corner, (2, 2)."""
-        each = np.stack([part.bounds for part in self.parts if len(part.starts)])
-        return np.stack([each[:, 0].min(axis=0), each[:, 1].max(axis=0)])
+        return common_bounds([part.bounds for part in self.parts if len(part.starts)])
 
     def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
         """Exact areas, (nx, ny) for every part."""

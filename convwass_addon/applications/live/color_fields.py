@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
+from ...geometry.bounds import bounds_of, common_bounds
 from ...one_line import one_line
 
 CELL = 2
@@ -84,8 +85,7 @@ def mixed_colors(
     points : (n, 3) float64
         In cells of the common grid.
     """
-    low = np.min([field.places.min(axis=0) for field in fields], axis=0)
-    high = np.max([field.places.max(axis=0) for field in fields], axis=0)
+    low, high = common_bounds([bounds_of(field.places) for field in fields])
     shape = tuple(int(n) for n in high - low + 2)
     strides = (shape[1] * shape[2], shape[2], 1)
     # Premultiplied colors with their shares as the fourth column: float32 in one row per cell is three times as fast.

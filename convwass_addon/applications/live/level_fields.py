@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...geometry.bounds import common_bounds
 from ...geometry.boxes import bounding_box, padded_box
 from ...geometry.marching_cubes import marching_cubes
 from ...geometry.mesh import TriangleMesh
@@ -220,9 +221,8 @@ def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
     shares : sequence of float
         One per field, not negative, of sum 1.
     """
-    low = np.min([field.span[0] for field in fields], axis=0) - 1
-    high = np.max([field.span[1] for field in fields], axis=0) + 1
-    box = FieldBox.between(low, high)
+    low, high = common_bounds([field.span for field in fields])
+    box = FieldBox.between(low - 1, high + 1)
     values = np.full(box.shape, OUTSIDE, np.float32)
     for field, share in zip(fields, shares, strict=True):
         part = np.multiply(field.values[field.box.overlap(box)], np.float32(share), dtype=np.float32)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.bounds import common_bounds
 from ...transport import Grid
 from .moved_room import Room
 
@@ -66,8 +67,7 @@ class CenteredGrid:
                 blur=sigma,
                 least=4 * margin,
             )
-        relative = np.stack(bounds) - centers[:, None]
-        low, high = relative[:, 0].min(axis=0), relative[:, 1].max(axis=0)
+        low, high = common_bounds(np.stack(bounds) - centers[:, None])
         extent = high - low
         spacing = float(extent.max()) / (resolution - 2 * margin)
         cells = np.ceil(extent / spacing + 2 * margin)

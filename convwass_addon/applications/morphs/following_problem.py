@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.bounds import common_bounds
 from ...geometry.centroid import centroid
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.facing_points import FacingShape
@@ -87,9 +88,8 @@ class FollowingProblem(MovingProblem):
         matching: Matching,
     ) -> FollowingProblem:
         """Lay out a grid that holds the inputs at all times, relative to their current centers; see the attributes."""
-        boxes = np.stack([mesh.bounds - centroid(mesh) for mesh in animation.meshes])
-        room = Room(boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), _SLACK_CELLS)
-        lattice = still.lattice.holding(room)
+        bounds = common_bounds([mesh.bounds - centroid(mesh) for mesh in animation.meshes])
+        lattice = still.lattice.holding(Room(*bounds, _SLACK_CELLS))
         searched = tuple(FacingShape(rest).ready() for rest in rests)
         return cls(still, motion, lattice, tuple(names), matching, animation, searched)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.bounds import common_bounds
 from ...progress import Control
 from ..workers import side_by_side
 from .layouts import Blend
@@ -72,6 +73,6 @@ def room_of_moved(
         weights = mixed[chosen[number]].weights
         return [box - np.asarray(weights) @ centers for box in bounds(weights)]
 
-    found = np.concatenate(side_by_side(boxes, len(chosen)))
+    found = [box for own in side_by_side(boxes, len(chosen)) for box in own]
     slack = 0 if len(chosen) == len(mixed) else _SLACK_CELLS
-    return Room(found[:, 0].min(axis=0), found[:, 1].max(axis=0), slack)
+    return Room(*common_bounds(found), slack)

@@ -12,6 +12,7 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.bounds import common_bounds
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
@@ -307,8 +308,8 @@ class MovingProblem:
     def _lattice_around(self, shapes: Sequence[MovedShape], weights: NDArray[np.float64]) -> Lattice:
         """Return the cells that the moved inputs of one blend need; all of them have the same center."""
         center = weights @ self.lattice.centers
-        bounds = np.stack([shape.mesh.bounds for shape in shapes]) - center
-        lattice = self.lattice.only_holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
+        bounds = common_bounds([shape.mesh.bounds for shape in shapes]) - center
+        lattice = self.lattice.only_holding(Room(*bounds))
         return replace(lattice, centers=np.tile(center, (len(shapes), 1)))
 
     def _split(

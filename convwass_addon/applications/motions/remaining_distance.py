@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...geometry.bounds import common_bounds
 from ...geometry.centroid import centroid
 from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import solid_or_shell_occupancy
@@ -79,8 +80,7 @@ def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Contr
 
 def _distance(meshes: Sequence[TriangleMesh], cells: int, control: Control) -> float:
     """Return W2 between two solids of mass 1, in the unit of the meshes."""
-    low = np.min([mesh.bounds[0] for mesh in meshes], axis=0)
-    high = np.max([mesh.bounds[1] for mesh in meshes], axis=0)
+    low, high = common_bounds([mesh.bounds for mesh in meshes])
     spacing = float((high - low).max()) / cells
     shape = tuple(np.ceil((high - low) / spacing + 2.0 * _MARGIN).astype(int))
     solids = [solid_or_shell_occupancy((mesh.corners - low) / spacing + _MARGIN, shape) for mesh in meshes]

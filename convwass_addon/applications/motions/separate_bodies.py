@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
+from ...geometry.bounds import bounds_of, common_bounds
 from ...geometry.components import component_labels
 from ...geometry.edges import used_part, vertex_components
 from ...geometry.mesh import TriangleMesh, joined_meshes
@@ -157,8 +158,7 @@ def _bodies(shape: TriangleMesh) -> list[Body]:
     # Triangles without area belong to no component.
     if not 2 <= count <= _MOST_COMPONENTS or (labels < 0).any():
         return []
-    points = [shape.vertices[components == own] for own in range(count)]
-    boxes = np.array([[own.min(axis=0), own.max(axis=0)] for own in points])
+    boxes = np.stack([bounds_of(shape.vertices[components == own]) for own in range(count)])
     groups = _groups(boxes, _GAP * float(np.linalg.norm(np.ptp(shape.bounds, axis=0))))[labels]
     found = [Body.of(shape, np.flatnonzero(groups == group)) for group in range(int(groups.max()) + 1)]
     sizes = np.sqrt([body.mesh.area for body in found])
@@ -169,11 +169,8 @@ def _groups(boxes: NDArray[np.float64], gap: float) -> NDArray[np.int64]:
     """Return labels of boxes, (n, 2, 3), equal where boxes around those of equal labels are closer than a gap, (n,)."""
     groups = np.arange(len(boxes))
     while True:
-        members = [boxes[groups == group] for group in range(int(groups.max()) + 1)]
-        low, high = (
-            np.stack([own[:, 0].min(axis=0) for own in members]),
-            np.stack([own[:, 1].max(axis=0) for own in members]),
-        )
+        members = [common_bounds(boxes[groups == group]) for group in range(int(groups.max()) + 1)]
+        low, high = np.stack(members, axis=1)
         apart = (low[:, None] - high > gap).any(axis=2)
         joined = component_labels(*np.nonzero(~(apart | apart.T)), len(members))
         if joined.max() + 1 == len(members):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
+from ...geometry.bounds import common_bounds
 from ..handles import Handle
 from ..objects import write_triangles
 from ..shape_sources import ShapeSource
@@ -58,8 +59,7 @@ class LiveScene:
         collection.objects.link(shape)
         bounds = np.array([own.bounds for own in meshes])
         size = float((bounds[:, 1] - bounds[:, 0]).max())
-        whole = np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
-        self.pad = LivePad(collection, [source.name for source in sources], whole, size)
+        self.pad = LivePad(collection, [source.name for source in sources], common_bounds(bounds), size)
         for block in (collection, *collection.objects, *(obj.data for obj in collection.objects if obj.data)):
             block.is_runtime_data = True
         self._collection, self._shape = Handle.of("collections", collection), Handle.of("objects", shape)

@@ -18,6 +18,7 @@ import numpy as np
 from ...applications.live.pad_places import pad_height
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
+from ...geometry.bounds import bounds_of
 from ..element_values import vectors_of
 from ..node_inputs import node_input
 from ..node_math import joined, math_node, new_node, pick, switch
@@ -187,7 +188,7 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
     frames, names = frame_objects(collection), stored_morph(collection).inputs
     blends = _sheet_blends(collection, frames)
     corners = [next(place for place, blend in enumerate(blends) if blend.source == i) for i in range(len(names))]
-    bounds = [_bounds(frames[corner]) for corner in corners]
+    bounds = [bounds_of(vectors_of(frames[corner].data.vertices)) for corner in corners]
     feet = np.array([[*((low + high) / 2.0)[:2], low[2]] for low, high in bounds])
     size = max(float((high - low).max()) for low, high in bounds)
     last = max(blend.place[1] for blend in blends)
@@ -222,12 +223,6 @@ def _layout(weights: np.ndarray) -> list[Blend] | None:
         return None
     expected = np.array([blend.weights for blend in blends])
     return blends if expected.shape == weights.shape and np.allclose(expected, weights, atol=1e-6) else None
-
-
-def _bounds(obj: bpy.types.Object) -> np.ndarray:
-    """Return the lower and upper corner of a mesh, local space, (2, 3)."""
-    points = vectors_of(obj.data.vertices)
-    return np.array([points.min(axis=0), points.max(axis=0)])
 
 
 def _pad(sheet: _Sheet) -> bpy.types.Object:

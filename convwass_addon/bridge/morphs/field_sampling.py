@@ -16,6 +16,7 @@ from scipy.ndimage import gaussian_filter, maximum_filter
 from ...applications.morphs.extraction import EXTRACTION_BLUR
 from ...errors import InputError
 from ...geometry.affine import transformed_points
+from ...geometry.bounds import common_bounds
 from ...geometry.centroid import centroid
 from ...geometry.edges import edge_use, topology
 from ...geometry.isosurface import surface_enclosing
@@ -204,8 +205,7 @@ def store_fields(
 
 def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: float) -> SampleGrid:
     """Return a grid around meshes at their centers, with larger cells if it would exceed `_MOST_SAMPLES`."""
-    bounds = np.array([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    low, high = common_bounds([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
     spacing = float((high - low).max()) / cells
     count = float(np.prod((high - low) / spacing + 2 * _MARGIN + 1))
     spacing *= max(count / _MOST_SAMPLES, 1.0) ** (1.0 / 3.0)

@@ -16,6 +16,7 @@ from scipy.ndimage import gaussian_filter
 from ...disk_space import require_space
 from ...drafts import written_together
 from ...errors import InputError
+from ...geometry.bounds import common_bounds
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...progress import Progress, Work
@@ -110,9 +111,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
 
 def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> float:
     """Return the cell size: the resolution of the bake applied to the longest side of all frames."""
-    bounds = np.array([mesh.bounds for mesh in meshes])
-    longest = float((bounds[:, 1].max(axis=0) - bounds[:, 0].min(axis=0)).max())
-    return longest / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
+    low, high = common_bounds([mesh.bounds for mesh in meshes])
+    return float((high - low).max()) / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
 
 
 def _timeline(
@@ -133,8 +133,8 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
     grid.name = GRID_NAME
     grid.gridClass = openvdb.GridClass.FOG_VOLUME
     if meshes:
-        low = np.min([mesh.bounds[0] for mesh in meshes], axis=0) - _MARGIN * spacing
-        high = np.max([mesh.bounds[1] for mesh in meshes], axis=0) + _MARGIN * spacing
+        low, high = common_bounds([mesh.bounds for mesh in meshes])
+        low, high = low - _MARGIN * spacing, high + _MARGIN * spacing
         shape = tuple(int(n) for n in np.ceil((high - low) / spacing))
         grid.copyFromArray(_filled(meshes, low, spacing, shape), tolerance=_EMPTY)
         # Values are located at cell centers.
