@@ -17,6 +17,7 @@ from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder, ClosestPoints
 from .label_sums import label_sums
 from .mesh import TriangleMesh
+from .quotients import quotients
 from .rotations import nearest_rotations
 from .surface_rotations import surface_rotations
 
@@ -94,8 +95,7 @@ def rigidly_moved(
     products = label_sums(parts, outer.reshape(-1, 9), len(counts)).reshape(-1, 3, 3)
     turns = _nearest(products)
     spread = np.bincount(parts, np.einsum("ni,ni->n", before, before), len(counts))
-    scales = np.einsum("pij,pij->p", turns, products) / np.where(spread > 0.0, spread, 1.0)
-    scales = np.where(spread > 0.0, scales, 1.0)
+    scales = quotients(np.einsum("pij,pij->p", turns, products), spread, 1.0)
     return centers[1][parts] + scales[parts, None] * np.einsum("nij,nj->ni", turns[parts], before)
 
 

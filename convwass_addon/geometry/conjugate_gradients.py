@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from ..progress import UNINTERRUPTED, Control
+from .quotients import quotients
 
 
 def conjugate_gradients(
@@ -54,12 +55,12 @@ def conjugate_gradients(
         control.check()
         product = by_rows @ direction
         curvature = _dots(direction, product)
-        step = np.divide(decrease, curvature, out=np.zeros_like(decrease), where=curvature > 0)
+        step = quotients(decrease, curvature)
         found += step * direction
         residual -= step * product
         gradient = preconditioned(residual)
         before, decrease = decrease, _dots(residual, gradient)
-        direction *= np.divide(decrease, before, out=np.zeros_like(decrease), where=before > 0)
+        direction *= quotients(decrease, before)
         direction += gradient
     return found if (decrease <= limits).all() else None
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .bounds import common_bounds
 from .integer_ranges import integer_ranges
 from .planar_fill import Boundary
+from .quotients import quotients
 
 
 def coverage(boundary: Boundary, shape: tuple[int, int]) -> NDArray[np.float64]:
@@ -77,7 +78,7 @@ def overlaps(areas: Sequence[Boundary], cells: int) -> NDArray[np.float64]:
     unions = np.stack([np.maximum(own, covered).sum(axis=1) for own in covered])
     both = np.stack([np.minimum(own, covered).sum(axis=1) for own in covered])
     # Areas much smaller than a cell may cover none.
-    return np.divide(both, unions, out=np.zeros_like(both), where=unions > 0.0)
+    return quotients(both, unions)
 
 
 def self_overlap(boundary: Boundary, cells: int) -> float:

@@ -13,6 +13,7 @@ from ..progress import UNINTERRUPTED, Control
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_areas, triangle_normals
+from .quotients import quotients
 
 FOLDED = 0.1
 """Triangles count as folded below this score, see :meth:`FoldFinder.scores`."""
@@ -86,4 +87,4 @@ class FoldFinder:
     def _area_ratios(self, corners: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return areas relative to those at rest and to the areas of both shapes; 1 without area at rest."""
         expected = triangle_areas(self.rest.vertices[faces]) * (self.target.area / self.rest.area)
-        return np.where(expected > 0.0, triangle_areas(corners) / np.where(expected > 0.0, expected, 1.0), 1.0)
+        return quotients(triangle_areas(corners), expected, 1.0)

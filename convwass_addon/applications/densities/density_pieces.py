@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.quotients import quotients
 from ...transport import Surface
 from ...transport.pieces import piece_masses
 
@@ -75,7 +76,7 @@ def on_same_pieces(
         empty = (masses[0] > 0) != (masses[other] > 0)
         if (differs and not match) or (empty & (np.maximum(masses[0], masses[other]) > SAME_SHARE)).any():
             raise _refusal(names[0], names[other], masses[[0, other]], surface, empty.any())
-    factors = np.divide(masses[0], masses, out=np.zeros_like(masses), where=masses > 0)
+    factors = quotients(masses[0], masses)
     scaled = densities * np.where(surface.pieces >= 0, factors[:, surface.pieces], 0.0)
     # If one density is empty on a component, drop the tiny masses of the others there.
     first_only = (masses[0] > 0) & (masses > 0).all(axis=0)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...geometry.edges import rim_vertices, vertex_components
 from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
+from ...geometry.quotients import quotients
 
 # Vertices farther from the surface of the body than this share of the longest side are on attached parts, and move with
 # these entirely if they are twice as far.
@@ -121,8 +122,7 @@ class AttachedParts:
             The share of its reach by which a part stands out.
         """
         lengths = np.linalg.norm(offsets, axis=1)
-        shares = np.maximum(lengths - (1.0 - left) * self.reaches, 0.0)
-        shares = np.divide(shares, lengths, out=np.zeros_like(shares), where=lengths > 0.0)
+        shares = quotients(np.maximum(lengths - (1.0 - left) * self.reaches, 0.0), lengths)
         return (1.0 - self.looseness * (1.0 - shares))[:, None] * offsets
 
     def turns(self, ratios: NDArray[np.float64]) -> NDArray[np.float64]:

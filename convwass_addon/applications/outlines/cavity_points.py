@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.outline_finder import OutlineFinder
+from ...geometry.quotients import quotients
 from ...geometry.section_cavities import SectionCavity
 from .profile_points import ProfilePoints
 
@@ -110,7 +111,7 @@ class MovedCavity:
         nearest = self.outside.nearest(points)
         away = points - nearest
         distances = np.linalg.norm(away, axis=1)
-        factors = np.divide(self.walls, distances, out=np.ones_like(distances), where=distances > 0.0)
+        factors = quotients(self.walls, distances, 1.0)
         found = nearest + np.maximum(factors, 1.0)[:, None] * away
         found[:, 0] = np.maximum(found[:, 0], np.minimum(points[:, 0], OPEN * self._room(points)))
         return found

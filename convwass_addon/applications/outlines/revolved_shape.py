@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.outline_finder import OutlineFinder
+from ...geometry.quotients import quotients
 from ...geometry.revolution import Revolution
 from ...geometry.subdivision import Subdivision, bendable
 from ..motions.motion import MovedShape
@@ -95,9 +96,9 @@ class RevolvedShape:
         divided = bendable(mesh, image=image if arrivals else None)
         points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
-        away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
+        away = quotients(points, radii[:, None])
         places = places_of(divided.mesh.vertices)
-        shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
+        shares = quotients(radii, places[:, 0], 1.0).clip(*_SAG)
         offsets = np.column_stack([radii, points[:, 1]]) - places * np.column_stack([shares, np.ones_like(shares)])
         directions, axis = (away * (1.0, 0.0, 1.0)) @ frame, frame[1]
         attached = AttachedParts.none(len(points))
@@ -129,8 +130,7 @@ class RevolvedShape:
         away, along = profile.T
         offsets = self.attached.retracted(self.offsets, left)
         away, along = self.shares * away + offsets[:, 0], along + offsets[:, 1]
-        ratios = np.divide(self.distances, away, out=np.ones_like(away), where=away > 0.0)
-        turns = self.attached.turns(ratios)[:, None]
+        turns = self.attached.turns(quotients(self.distances, away, 1.0))[:, None]
         directions = np.cos(turns) * self.directions + np.sin(turns) * np.cross(self.axis, self.directions)
         vertices = place + away[:, None] * directions + along[:, None] * self.axis
         return MovedShape(self.divided.mesh, vertices, self.divided.parents)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...geometry.quotients import quotients
 from ...one_line import one_line
 from ...transport.barycenter import Barycenter
 from .glow_travel import GlowTravel
@@ -130,7 +131,7 @@ class Skies:
         want = sum(w * light_of(own) for w, own in zip((1.0 - time, time), self._ends, strict=True))
         lit = sum((lamp.flux for lamp in lamps), np.zeros(3))
         have = light_of(image)
-        image *= np.where(have > 0, np.maximum(want - lit, 0.0) / np.where(have > 0, have, 1.0), 1.0)
+        image *= quotients(np.maximum(want - lit, 0.0), have, 1.0)
         for lamp in lamps:
             add_disc(image, lamp.direction, lamp.flux, lamp.radius)
         return self._frame(time, image, lamps, solved)

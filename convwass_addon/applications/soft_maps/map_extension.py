@@ -13,6 +13,7 @@ from scipy.sparse import block_diag, csr_array
 
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
+from ...geometry.quotients import quotients
 from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import SoftMap
@@ -185,8 +186,7 @@ def _warnings(side: MapSide, points: PointMap) -> Iterator[Sentence]:
 def unit_rows(densities: NDArray[np.floating], masses: NDArray[np.float64]) -> NDArray[np.float64]:
     """Normalize rows, (n0, n1), to mass 1 with respect to areas, (n1,); zero rows become uniform."""
     rows = np.asarray(densities, dtype=np.float64)
-    mass = (rows * masses).sum(axis=1, keepdims=True)
-    return np.where(mass > 0, rows / np.where(mass > 0, mass, 1.0), 1.0)
+    return quotients(rows, (rows * masses).sum(axis=1, keepdims=True), 1.0)
 
 
 def _no_points(count: int) -> PointMap:

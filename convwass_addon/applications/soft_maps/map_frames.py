@@ -14,6 +14,7 @@ from ...geometry.factorization import factorize
 from ...geometry.laplacian import Laplacian
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import unit_vectors, vertex_normals
+from ...geometry.quotients import quotients
 from .surface_maps import PointMap
 
 # Smoothing length of the rotations, relative to the square root of the surface's area.
@@ -85,8 +86,7 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
     )
     smooth = _averaged(summed, stiffness)
     turns = nearest_turns(smooth[:9].T.reshape(-1, 3, 3), side)
-    safe = np.where(smooth[10] > 0, smooth[10], 1.0)
-    stretches = np.sqrt(np.where(smooth[10] > 0, smooth[9] / safe, 1.0))
+    stretches = np.sqrt(quotients(smooth[9], smooth[10], 1.0))
     typical = float(np.sqrt(area.sum() / max(their_area.sum(), np.finfo(float).tiny))) if len(area) else 1.0
     return MapFrames(turns, np.clip(stretches, typical / _MOST_STRETCH, typical * _MOST_STRETCH), side)
 

@@ -11,6 +11,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
+from ...geometry.quotients import quotients
 from ..element_values import element_values, write_floats
 from ..vertex_groups import group_names, read_group, read_groups, write_group
 
@@ -61,7 +62,7 @@ def anchor_vertices(obj: bpy.types.Object, rig: bpy.types.Object, influences: ND
     weights = read_groups(obj, names)
     total = weights.sum(axis=0)
     # The bones of other programs mix by their weights without dividing them by the sum in the group.
-    shares = np.divide(influences, total, out=np.zeros_like(total), where=total > 0.0)
+    shares = quotients(influences, total)
     for name, own in zip(names, weights, strict=True):
         write_group(obj, name, np.minimum(own * shares, 1.0))
     write_group(obj, _new_bone(obj, rig), np.where(total > 0.0, 1.0 - influences, 1.0))

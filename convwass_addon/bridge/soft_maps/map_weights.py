@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.quotients import quotients
 from ..mesh_checks import writable_mesh
 from ..vertex_groups import group_names, read_groups, write_group
 from .soft_map_requests import TransferRequest
@@ -85,10 +86,10 @@ def fitted_weights(
         kept = np.where(ranks < allowed, kept, 0.0)
     wanted = sums
     if request.normalize:
-        shares = np.divide(sums, total, out=np.zeros_like(sums), where=total > 0)
+        shares = quotients(sums, total)
         wanted = np.minimum(shares, np.maximum(1.0 - fixed.sum(axis=0), 0.0))
     left = kept.sum(axis=0)
-    scale = np.divide(wanted, left, out=np.zeros_like(left), where=left > 0)
+    scale = quotients(wanted, left)
     return np.clip(kept * scale, 0.0, 1.0)
 
 
