@@ -35,8 +35,15 @@ def rotation_matrices(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     angles = np.linalg.norm(vectors, axis=1)
     along = np.sinc(angles / np.pi)
     around = 0.5 * np.square(np.sinc(angles / (2.0 * np.pi)))
-    x, y, z = vectors.T
-    result = np.empty((len(vectors), 3, 3))
+    return matrices_about(vectors.T, along, around)
+
+
+def matrices_about(
+    axes: NDArray[np.float64], along: NDArray[np.float64], around: NDArray[np.float64] | float
+) -> NDArray[np.float64]:
+    """Return 1 + along [a] + around [a]^2, (n, 3, 3), where [a] is the cross product with an axis, (3, n)."""
+    x, y, z = axes
+    result = np.empty((len(x), 3, 3))
     result[:, 0, 0] = 1.0 - around * (y * y + z * z)
     result[:, 1, 1] = 1.0 - around * (x * x + z * z)
     result[:, 2, 2] = 1.0 - around * (x * x + y * y)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .limb_axes import LimbAxes
-from .rotation_fields import nearest_branches, rotation_matrices, rotation_vectors
+from .rotation_fields import matrices_about, nearest_branches, rotation_matrices, rotation_vectors
 from .rotations import nearest_rotations
 from .steps import linear_step
 
@@ -34,15 +34,8 @@ def turn_matrices(turns: NDArray[np.float64]) -> NDArray[np.float64]:
     """
     # Coordinate by coordinate, numbers that are used together are next to each other.
     whole, swings, twists = np.ascontiguousarray(turns.transpose(1, 2, 0))
-    w, x, y, z = _product(_quaternions(whole[:, :1]), _product(_quaternions(swings), _quaternions(twists)))
-    result = np.empty((len(turns), 3, 3))
-    result[:, 0, 0] = 1.0 - 2.0 * (y * y + z * z)
-    result[:, 1, 1] = 1.0 - 2.0 * (x * x + z * z)
-    result[:, 2, 2] = 1.0 - 2.0 * (x * x + y * y)
-    for (row, column), own, product in (((1, 0), z, x * y), ((0, 2), y, x * z), ((2, 1), x, y * z)):
-        result[:, row, column] = 2.0 * (product + w * own)
-        result[:, column, row] = 2.0 * (product - w * own)
-    return result
+    w, *axes = _product(_quaternions(whole[:, :1]), _product(_quaternions(swings), _quaternions(twists)))
+    return matrices_about(axes, 2.0 * w, 2.0)
 
 
 def mean_turns(turns: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
