@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ...errors import InputError
+from ..stored_json import is_list_of, parsed_table
 
 SCHEMA = 1
 
@@ -129,14 +130,10 @@ def _table(obj: bpy.types.Object) -> dict[str, object]:
         raise TypeError("not a text")
     if len(text) > MOST_CHARACTERS:
         raise ValueError(f"{len(text)} characters")
-    data = json.loads(text, parse_constant=_no_number)
-    if not isinstance(data, dict):
-        raise TypeError("not a table")
-    if data["schema"] != SCHEMA:
-        raise ValueError(f"schema {data['schema']!r}, while this version reads {SCHEMA}")
-    if not isinstance(data["densities"], dict):
+    densities = parsed_table(text, SCHEMA)["densities"]
+    if not isinstance(densities, dict):
         raise TypeError("densities are not a table")
-    return data["densities"]
+    return densities
 
 
 def _checked(data: object) -> StoredDensity:
@@ -144,17 +141,17 @@ def _checked(data: object) -> StoredDensity:
     if not isinstance(data, dict):
         raise TypeError("not a table")
     density = StoredDensity(**{name: data[name] for name in StoredDensity.__dataclass_fields__})
-    if not _is_list_of(density.inputs, str):
+    if not is_list_of(density.inputs, str):
         raise TypeError("inputs are not a list of names")
     if not (isinstance(density.settings, dict) and all(map(_is_plain, density.settings.values()))):
         raise TypeError("a setting is neither a number, a text nor a list of these")
-    if not _is_list_of(density.records, dict):
+    if not is_list_of(density.records, dict):
         raise TypeError("records are not a list of tables")
-    if not _is_list_of(density.times, (int, float)) or density.times != sorted(density.times):
+    if not is_list_of(density.times, (int, float)) or density.times != sorted(density.times):
         raise TypeError("times are not an ascending list of numbers")
     if isinstance(density.scale, bool) or not isinstance(density.scale, (int, float)) or not density.scale > 0:
         raise TypeError("scale is not a positive number")
-    if not (isinstance(density.outputs, dict) and all(_is_list_of(own, str) for own in density.outputs.values())):
+    if not (isinstance(density.outputs, dict) and all(is_list_of(own, str) for own in density.outputs.values())):
         raise TypeError("outputs are not lists of names")
     return density
 
@@ -162,11 +159,3 @@ def _checked(data: object) -> StoredDensity:
 def _is_plain(value: object) -> bool:
     items = value if isinstance(value, list) else [value]
     return all(item is None or isinstance(item, (str, bool, int, float)) for item in items)
-
-
-def _is_list_of(value: object, kind: type | tuple[type, ...]) -> bool:
-    return isinstance(value, list) and all(isinstance(item, kind) and not isinstance(item, bool) for item in value)
-
-
-def _no_number(text: str) -> None:
-    raise ValueError(f"{text} where a number belongs")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ..stored_json import table_stored_with
 from ..vertex_groups import read_group, write_group
 
 RESULTS_KEY = "convwass_results"
@@ -29,7 +30,7 @@ def require_unpainted(obj: bpy.types.Object, name: str) -> None:
     if name not in obj.vertex_groups:
         return
     weights = read_group(obj, name)
-    if weights.any() and _results(obj).get(name) != _digest(weights):
+    if weights.any() and table_stored_with(obj, RESULTS_KEY).get(name) != _digest(weights):
         raise InputError(
             "{object} already has a vertex group {name} that is no result, or was changed since; choose another name, "
             "or delete the group.",
@@ -59,18 +60,10 @@ def replace_by_result(obj: bpy.types.Object, name: str, weights: ArrayLike) -> b
         As for `write_group`.
     """
     group = write_group(obj, name, weights)
-    there = {known: digest for known, digest in _results(obj).items() if known in obj.vertex_groups}
-    obj[RESULTS_KEY] = json.dumps({**there, name: _digest(read_group(obj, name))})
+    before = table_stored_with(obj, RESULTS_KEY)
+    kept = {known: digest for known, digest in before.items() if known in obj.vertex_groups}
+    obj[RESULTS_KEY] = json.dumps({**kept, name: _digest(read_group(obj, name))})
     return group
-
-
-def _results(obj: bpy.types.Object) -> dict[str, str]:
-    """Return the digests of the results by the names of their groups; none if what is stored is damaged."""
-    try:
-        found = json.loads(obj.get(RESULTS_KEY, "{}"))
-    except (TypeError, ValueError, RecursionError):
-        return {}
-    return found if isinstance(found, dict) else {}
 
 
 def _digest(weights: NDArray[np.float64]) -> str:

@@ -18,6 +18,7 @@ from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames, shown_from
 from ..object_names import ObjectName, objects_named, scene_copies
+from ..stored_json import is_list_of, parsed_table
 
 SCHEMA = 1
 
@@ -110,7 +111,7 @@ def stored_morph(block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
             "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=block.name
         )
     with refusing_damage(block.name):
-        return _in_scenes(_checked(json.loads(text, parse_constant=_no_number)), block)
+        return _in_scenes(_checked(parsed_table(text, SCHEMA)), block)
 
 
 def copied_inputs(
@@ -366,17 +367,13 @@ def stored_diagnostics(collection: bpy.types.Collection) -> list[Diagnostic]:
         return []
 
 
-def _checked(data: object) -> StoredMorph:
+def _checked(data: dict[str, object]) -> StoredMorph:
     """Return the description; raises an error that says what is wrong with it."""
-    if not isinstance(data, dict):
-        raise TypeError("not a table")
-    if data["schema"] != SCHEMA:
-        raise ValueError(f"schema {data['schema']!r}, while this version reads {SCHEMA}")
     inputs, settings, first_frame, records = (data[key] for key in ("inputs", "settings", "first_frame", "records"))
-    if not (isinstance(inputs, list) and inputs and all(isinstance(name, str) and name for name in inputs)):
+    if not (is_list_of(inputs, str) and inputs and all(inputs)):
         raise TypeError("inputs are not a list of names")
     libraries = data.get("libraries", [])
-    if not (isinstance(libraries, list) and all(isinstance(path, str) for path in libraries)):
+    if not is_list_of(libraries, str):
         raise TypeError("libraries are not a list of paths")
     if len(libraries) not in (0, len(inputs)):
         raise ValueError(f"there are {len(libraries)} libraries for {len(inputs)} inputs")
@@ -391,7 +388,7 @@ def _checked(data: object) -> StoredMorph:
         raise TypeError("first_frame is not an integer")
     if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
         raise ValueError(f"first_frame is {first_frame}")
-    if not (isinstance(records, list) and all(isinstance(record, dict) for record in records)):
+    if not is_list_of(records, dict):
         raise TypeError("records are not a list of tables")
     return StoredMorph(inputs, settings, first_frame, records, libraries, _rate(data.get("per_second")))
 
@@ -408,7 +405,3 @@ def _rate(value: object) -> float | None:
 def _items(value: object) -> list[object]:
     """Return a list unchanged, and any other value as a list of one."""
     return value if isinstance(value, list) else [value]
-
-
-def _no_number(text: str) -> None:
-    raise ValueError(f"{text} where a number belongs")

@@ -12,6 +12,8 @@ from pathlib import Path
 
 import bpy
 
+from ..stored_json import table_stored_with
+
 WRITTEN_KEY = "convwass_written"
 """Custom property of a morph's collection: names and digests of the written files."""
 
@@ -38,7 +40,7 @@ def drop_surplus(morph: bpy.types.Collection, folder: Path, stem: str, kept: Seq
         The files of the later bake.
     """
     names = {path.name for path in kept}
-    for name, digest in _noted(morph).items():
+    for name, digest in table_stored_with(morph, WRITTEN_KEY).items():
         number = name.removeprefix(f"{stem}_").removesuffix(".png")
         if name in names or name != f"{stem}_{number}.png" or not (number.isascii() and number.isdigit()):
             continue
@@ -47,16 +49,6 @@ def drop_surplus(morph: bpy.types.Collection, folder: Path, stem: str, kept: Seq
         with suppress(OSError):
             if path.is_file() and not path.is_symlink() and _digest(path) == digest:
                 path.unlink()
-
-
-def _noted(morph: bpy.types.Collection) -> dict[str, str]:
-    try:
-        found = json.loads(morph.get(WRITTEN_KEY, "{}"))
-    except (TypeError, ValueError, RecursionError):
-        return {}
-    if not isinstance(found, dict):
-        return {}
-    return {name: digest for name, digest in found.items() if isinstance(digest, str)}
 
 
 def _digest(path: Path) -> str:
