@@ -68,13 +68,8 @@ def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: 
     _hold(_channels(obj, action).fcurves.new("scale", index=axis), keys)
 
 
-def is_shown(obj: bpy.types.Object, frame: float) -> bool:
-    """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
-    return shown_during(obj, [frame])[0]
-
-
 def shown_during(obj: bpy.types.Object, frames: Iterable[float]) -> list[bool]:
-    """Return for several scene frames what `is_shown` returns; the keys of the object are looked up once."""
+    """Return whether an object is rendered at each of some scene frames, by its keys or else by its current setting."""
     curve = _render_curve(obj)
     if curve and not curve.mute:
         return [curve.evaluate(frame) < 0.5 for frame in frames]

@@ -71,7 +71,8 @@ def paint(obj, colors, domain="POINT", kind="FLOAT_COLOR", name="Paint"):
 
 
 def appearance_of(obj, depsgraph):
-    return read_appearance(frozen_copy(obj, depsgraph), tuple(obj.color), [group.name for group in obj.vertex_groups])
+    names = [group.name for group in obj.vertex_groups]
+    return read_looks(frozen_copy(obj, depsgraph), tuple(obj.color), names).appearance
 
 
 def bake(inputs, steps=2, options=None, **settings):

@@ -14,7 +14,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, single_blend
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.files import save_blend
-from convwass_addon.bridge.keyframes import is_shown
+from convwass_addon.bridge.keyframes import shown_during
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.materials import MATERIAL_NAME
 from convwass_addon.bridge.morphs.removal import remove_bake
@@ -83,7 +83,7 @@ def visible_over_time(scene, collection):
     for frame in range(5, 21):
         scene.frame_set(frame)
         assert all(obj.hide_render == obj.hide_viewport for obj in collection.objects)
-        assert all(obj.hide_render != is_shown(obj, frame) for obj in collection.objects)
+        assert all(obj.hide_render != shown_during(obj, [frame])[0] for obj in collection.objects)
         shown[frame] = visible(collection)
     return shown
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.keyframes import curves_of, interpolate, is_shown
+from convwass_addon.bridge.keyframes import curves_of, interpolate, shown_during
 from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.player_inputs import morph_value, speed
@@ -202,7 +202,7 @@ def test_frames_at_another_rate(player):
         middle = np.mean([vertex.co for vertex in obj.data.vertices], axis=0)
         assert np.allclose(middle, (TRAVEL * number / (2 * FRAMES), 0, 0), atol=0.02)
         assert np.isclose(obj[WEIGHTS_KEY][1], number / (2 * FRAMES), atol=1e-5)
-        assert [is_shown(obj, FIRST + other) for other in range(len(frames))].count(True) == 1
+        assert shown_during(obj, range(FIRST, FIRST + len(frames))).count(True) == 1
 
 
 @pytest.mark.parametrize("style", ["EASE", "HOLD", "BACK_AND_FORTH"])

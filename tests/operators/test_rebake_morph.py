@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
-from convwass_addon.bridge.keyframes import curves_of, is_shown
+from convwass_addon.bridge.keyframes import curves_of, shown_during
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
@@ -169,7 +169,8 @@ def move_keys(objects, way):
 def shown_in(morph, frames):
     """Return which frame objects are shown in scene frames."""
     objects = frame_objects(morph)
-    return [[index for index, obj in enumerate(objects) if is_shown(obj, frame)] for frame in frames]
+    shown = [shown_during(obj, frames) for obj in objects]
+    return [[index for index, own in enumerate(shown) if own[place]] for place in range(len(frames))]
 
 
 @pytest.mark.parametrize(("stays", "way"), [(0, 20), (0, -20), (2, 20)])

@@ -34,8 +34,8 @@ _MOST_PIXELS = 1024
 _UNASSIGNED = Plain((0.8, 0.8, 0.8, 1.0))
 
 
-def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = ()) -> Appearance:
-    """Read the base colors and vertex groups of a mesh.
+def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float]) -> Appearance:
+    """Read the base colors of a mesh.
 
     A material has the color of its Principled BSDF: the first image or color attribute linked to it, or its plain
     color. Without either, it has its viewport color. A mesh without materials has the render color attribute, or the
@@ -47,10 +47,8 @@ def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: S
         A frozen copy, in the space of origins.
     color : (r, g, b, a)
         Color of the object, scene linear.
-    group_names : sequence of str
-        The object's vertex groups in order.
     """
-    return _appearance(mesh, MeshTriangles.of(mesh), color, group_names)
+    return _appearance(mesh, MeshTriangles.of(mesh), color, ())
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ class Looks:
     Attributes
     ----------
     appearance : Appearance
-        See :func:`read_appearance`.
+        Base colors, see :func:`read_appearance`, and vertex groups.
     shading : Shading
         Flat and smooth faces, sharp edges and custom normals.
     """
@@ -70,7 +68,7 @@ class Looks:
 
 
 def read_looks(mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = ()) -> Looks:
-    """Read the appearance and the shading of a mesh, given the same as for :func:`read_appearance`."""
+    """Read how a mesh looks, given as for :func:`read_appearance`, and the names of its vertex groups in order."""
     triangles = MeshTriangles.of(mesh)
     appearance = _appearance(mesh, triangles, color, group_names)
     normals = element_values(mesh.corner_normals, "vector", 3).take(triangles.loops, axis=0)

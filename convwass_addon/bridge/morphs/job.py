@@ -100,13 +100,7 @@ class MorphJob:
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 
-    def steps_between(
-        self,
-        path: Sequence[Blend],
-        numbers: Sequence[float],
-        computation: Computation,
-        control: Control = UNINTERRUPTED,
-    ) -> Work[None]:
+    def steps_between(self, path: Sequence[Blend], numbers: Sequence[float], computation: Computation) -> Work[None]:
         """Return the computation of blends between the frames of a path.
 
         See :func:`.between_frames.between_frames`; the inputs must not be followed.
@@ -118,7 +112,6 @@ class MorphJob:
             numbers,
             self._settings,
             computation,
-            control,
             labels=self._labels,
             guides=self._guides,
         )
