@@ -71,7 +71,7 @@ def mesh_weights(mesh: bpy.types.Mesh, names: Sequence[str], indices: Sequence[i
     for place, (name, index) in enumerate(zip(names, indices, strict=True)):
         # Nodes cannot distinguish a group from an attribute of the same name, and do not read hidden names.
         if name in mesh.attributes or name in _BUILT_IN or name.startswith("."):
-            weights[place] = _one_by_one(mesh, index)
+            weights[place] = weights_one_by_one(mesh, index)
     return weights
 
 
@@ -163,7 +163,8 @@ def _copying_tree(names: Sequence[str]) -> bpy.types.NodeTree:
     return tree
 
 
-def _one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float32]:
+def weights_one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float32]:
+    """Return the weights of all vertices in a group with this index, (n,), also of a temporary mesh."""
     weights = np.zeros(len(mesh.vertices), np.float32)
     for vertex in mesh.vertices:
         for entry in vertex.groups:

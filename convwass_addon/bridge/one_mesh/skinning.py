@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...sentence import Sentence
 from ..armatures.rigs import is_posed
+from ..vertex_groups import weights_one_by_one
 
 # Vertices that the pose flattens more than this have no inverse.
 _LEAST = 1e-6
@@ -122,13 +123,8 @@ def influences(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.ty
     group = obj.vertex_groups.get(modifier.vertex_group)
     if group is None:
         return np.ones((len(mesh.vertices), 1, 1))
-    weights = [_weight(vertex, group.index) for vertex in mesh.vertices]
-    found = np.array(weights, dtype=np.float64).reshape(-1, 1, 1)
-    return 1.0 - found if modifier.invert_vertex_group else found
-
-
-def _weight(vertex: bpy.types.MeshVertex, group: int) -> float:
-    return next((each.weight for each in vertex.groups if each.group == group), 0.0)
+    weights = weights_one_by_one(mesh, group.index).astype(np.float64)[:, None, None]
+    return 1.0 - weights if modifier.invert_vertex_group else weights
 
 
 def _bone_motion(rig: bpy.types.Object, bone: bpy.types.PoseBone) -> object:
