@@ -156,7 +156,7 @@ def test_attached_parts_retract_and_are_in_both_shapes(time, turned_around):
             assert np.ptp(tip[:, 1]) == pytest.approx(0.2, abs=0.02)
 
 
-def test_at_rest_a_lent_part_is_flat_and_closed():
+def test_at_rest_an_added_part_is_flat_and_closed():
     moved = choice(PEGGED, LARGE_CUP).motion.moved([0.0, 1.0])[1]
     np.testing.assert_allclose(moved.vertices, moved.rest.vertices, rtol=0.0, atol=1e-6)
     assert moved.mesh.volume == pytest.approx(LARGE_CUP.volume, rel=1e-3)
@@ -165,7 +165,7 @@ def test_at_rest_a_lent_part_is_flat_and_closed():
     assert moved.parents.max() < len(LARGE_CUP.faces)
 
 
-def test_parts_are_lent_only_to_shapes_that_are_reached():
+def test_parts_are_added_only_to_shapes_that_are_reached():
     for coherence, pieces in ((0.25, 1), (0.5, 2)):
         moved = choice(PEGGED, LARGE_CUP, coherence=coherence).motion.moved([0.01, 0.99])[1]
         assert piece_count(moved.mesh) == pieces

@@ -17,7 +17,7 @@ from convwass_addon.applications.outlines import vanishing_limbs
 from convwass_addon.applications.outlines.agreeing_motion import AgreeingMotion
 from convwass_addon.applications.outlines.attached_limbs import with_limb
 from convwass_addon.applications.outlines.extruded_motion import extruded_motion
-from convwass_addon.applications.outlines.limb_motion import LimbMotion, with_lent_limbs
+from convwass_addon.applications.outlines.limb_motion import LimbMotion, with_added_limbs
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import KnownMatches
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
@@ -176,7 +176,7 @@ def test_a_limb_slides_back_onto_a_cut_that_bends():
 @pytest.mark.parametrize("rings", [(LETTER_L, LETTER_I), (LETTER_I, LETTER_L)], ids=["retracting", "growing"])
 def test_the_foot_of_an_l(rings):
     """It is one unit high up to its end, in both shapes."""
-    moved = with_lent_limbs(motion_of(*rings), BOTH_WAYS)
+    moved = with_added_limbs(motion_of(*rings), BOTH_WAYS)
     for time in TIMES:
         shapes = moved.choice.motion.moved([time if ring is LETTER_L else 1.0 - time for ring in rings])
         for sheet, shape in zip(moved.sheets, shapes, strict=True):
@@ -189,7 +189,7 @@ def test_the_foot_of_an_l(rings):
 
 def test_the_bar_of_an_h_takes_its_stem_along():
     """Halfway, the bar is half as long, and both halves of the stem at its end are, too."""
-    moved = with_lent_limbs(motion_of(LETTER_H, LETTER_I), BOTH_WAYS)
+    moved = with_added_limbs(motion_of(LETTER_H, LETTER_I), BOTH_WAYS)
     for sheet, shape in zip(moved.sheets, moved.choice.motion.moved([0.5, 0.5]), strict=True):
         found = sheet.moved(shape)
         assert found.area == pytest.approx(8.0 + 2.0 + 3.5, rel=1e-3)
@@ -197,7 +197,7 @@ def test_the_bar_of_an_h_takes_its_stem_along():
 
 
 def test_a_path_back_to_the_same_shape():
-    moved = with_lent_limbs(motion_of(LETTER_E, LETTER_F, LETTER_E, pairs=[(0, 1), (1, 2)]), [(0, 1), (1, 2)])
+    moved = with_added_limbs(motion_of(LETTER_E, LETTER_F, LETTER_E, pairs=[(0, 1), (1, 2)]), [(0, 1), (1, 2)])
     for weights in ((0.5, 0.5, 0.0), (0.0, 0.5, 0.5)):
         shapes = moved.choice.motion.moved(weights)
         areas = [sheet.moved(own).area for sheet, own in zip(moved.sheets, shapes, strict=True) if own is not None]
@@ -217,7 +217,7 @@ def test_records_tell_how_many_limbs_retract():
 def test_shapes_that_come_half_of_the_way_lend_nothing():
     moved = motion_of(LETTER_L, LETTER_I, coherence=0.25)
     assert isinstance(moved.choice.motion, LimbMotion)
-    assert with_lent_limbs(moved, BOTH_WAYS) is moved
+    assert with_added_limbs(moved, BOTH_WAYS) is moved
     one, other = moved.choice.motion.moved([0.5, 0.5])
     assert moved.sheets[0].moved(one).area == pytest.approx(8.0 + 3.0 * 0.75, rel=1e-2)
     assert moved.sheets[1].moved(other).area == pytest.approx(8.0, rel=1e-2)
@@ -244,5 +244,5 @@ def test_solid_letters():
         for own in motion.moved([time, 1.0 - time]):
             assert own.mesh.volume == pytest.approx(depth * (8.0 + 3.0 * time), rel=2e-3)
             assert topology(own.mesh).closed
-    lender = motion.moved([0.5, 0.5])[0]
-    assert vertex_components(lender.mesh).max() == 0
+    owner = motion.moved([0.5, 0.5])[0]
+    assert vertex_components(owner.mesh).max() == 0

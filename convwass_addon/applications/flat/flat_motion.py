@@ -20,7 +20,7 @@ from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import MovedShape
 from ..motions.motion_choice import FAILURES, MotionChoice
 from ..motions.motion_request import MotionRequest
-from ..outlines.limb_motion import with_lent_limbs
+from ..outlines.limb_motion import with_added_limbs
 from ..outlines.matched_motion import MOST_REGIONS
 from ..outlines.moved_sheets import MovedSheets
 from ..outlines.outline_motion import outline_motion
@@ -190,5 +190,5 @@ def _moved_part(
         found, unmoved = None, MotionChoice("transport", "DISTORTED")
     if found is None:
         return MovedSheets(tuple(map(Sheet.of, parts)), unmoved)
-    found = with_lent_limbs(found, pairs)
+    found = with_added_limbs(found, pairs)
     return replace(found, choice=replace(found.choice, reason="ASKED")) if settings.motion == "guided" else found

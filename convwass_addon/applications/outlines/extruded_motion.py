@@ -15,8 +15,8 @@ from ..motions.motion import Motion, unmoved
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from ..workers import side_by_side
+from .added_parts import MotionWithAddedParts
 from .extruded_shape import ExtrudedShape
-from .lent_parts import LendingMotion
 from .limb_motion import LimbMotion
 from .outline_motion import outline_motion
 from .section_motion import SectionMotion
@@ -56,5 +56,5 @@ def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | 
             own.places.interpolated(is_loose[rest.faces][..., None].astype(np.float64))[:, 0] > _LOOSE
             for own, rest, is_loose in zip(shapes, rests, flat.is_loose, strict=True)
         ]
-        motion = LendingMotion.of(motion, motion, loose, request.pairs)
+        motion = MotionWithAddedParts.of(motion, motion, loose, request.pairs)
     return replace(moved.choice, motion=motion)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_fill import Boundary
 from ..motions.motion import MovedShape, unmoved, ways_between
+from .added_parts import MotionWithAddedParts
 from .agreeing_motion import AgreeingMotion
 from .attached_limbs import AttachedLimb, with_limb
-from .lent_parts import LendingMotion
 from .moved_sheets import TRIANGLES, MovedSheets, largest_overlap
 from .section_motion import share_left
 from .sheets import Sheet
@@ -105,16 +105,16 @@ def with_limbs(
     return replace(moved, sheets=sheets, choice=choice)
 
 
-def with_lent_limbs(moved: MovedSheets, pairs: Sequence[tuple[int, int]]) -> MovedSheets:
+def with_added_limbs(moved: MovedSheets, pairs: Sequence[tuple[int, int]]) -> MovedSheets:
     """Return moved sheets with the limbs of those that they occur with, which grow while these retract."""
     motion = moved.choice.motion
     if not isinstance(motion, LimbMotion) or motion.way < 1.0:
         return moved
-    lending = LendingMotion.of(motion, motion, motion.is_loose, pairs)
+    adding = MotionWithAddedParts.of(motion, motion, motion.is_loose, pairs)
     sheets = list(moved.sheets)
-    for index, parts in lending.parts.items():
+    for index, parts in adding.parts.items():
         rest = sheets[index].mesh
         # What closes a solid part is not needed.
-        lent = [TriangleMesh(part.added(rest, None), part.faces[: len(part.faces) // 2]) for part in parts]
-        sheets[index] = Sheet.joined([sheets[index], *map(Sheet.of_triangles, lent)])
-    return replace(moved, sheets=tuple(sheets), choice=replace(moved.choice, motion=lending))
+        added = [TriangleMesh(part.added(rest, None), part.faces[: len(part.faces) // 2]) for part in parts]
+        sheets[index] = Sheet.joined([sheets[index], *map(Sheet.of_triangles, added)])
+    return replace(moved, sheets=tuple(sheets), choice=replace(moved.choice, motion=adding))

@@ -23,12 +23,12 @@ from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import Motion, arriving, ways_between, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
+from .added_parts import MotionWithAddedParts
 from .agreeing_motion import AgreeingMotion
 from .attached_parts import AttachedParts
 from .even_volume import EvenVolumeMotion
 from .filling_motion import FillingMotion
 from .hollow_shape import HollowShape
-from .lent_parts import LendingMotion
 from .mapped_parts import MappedPartsMotion
 from .matched_motion import matched_motion
 from .matched_outlines import only_placed
@@ -153,7 +153,7 @@ def _with_parts(
             own[parts.vertices] = False
     # Shapes that do not come all the way are not where the others' parts are.
     if filling.flat.way == 1.0 and any(map(np.any, loose)):
-        motion = LendingMotion.of(motion, filling.full, loose, pairs)
+        motion = MotionWithAddedParts.of(motion, filling.full, loose, pairs)
     return motion
 
 

@@ -20,12 +20,12 @@ from ..motions.motion import Motion, MovedShape, arriving, unmoved, ways_between
 
 
 @dataclass(frozen=True)
-class LentPart:
+class AddedPart:
     """A part of one shape that is added to another one, which has it only on the way.
 
     Attributes
     ----------
-    lender : int
+    owner : int
         The shape that has it.
     vertices : (n,) int64
         Its vertices there.
@@ -35,18 +35,18 @@ class LentPart:
         Its triangles, indices in `vertices`, and what closes it: the same triangles, reversed, where its loose vertices
         end once it has retracted. These follow `vertices`.
     places : ClosestPoints
-        Where its vertices are on the borrower's surface then.
+        Where its vertices are on the receiver's surface then.
     """
 
-    lender: int
+    owner: int
     vertices: NDArray[np.int64]
     is_loose: NDArray[np.bool_]
     faces: NDArray[np.int64]
     places: ClosestPoints
 
     @classmethod
-    def of(cls, retracting: Motion, pair: tuple[int, int], count: int, is_loose: NDArray[np.bool_]) -> LentPart:
-        """Lend a part of the first one of a pair to the second one, of `count` shapes.
+    def of(cls, retracting: Motion, pair: tuple[int, int], count: int, is_loose: NDArray[np.bool_]) -> AddedPart:
+        """Add a part of the first one of a pair to the second one, of `count` shapes.
 
         Parameters
         ----------
@@ -64,33 +64,33 @@ class LentPart:
         vertices, faces = np.unique(chosen, return_inverse=True)
         faces, own = faces.reshape(-1, 3), is_loose[vertices]
         ends = np.where(own, len(vertices) + np.cumsum(own) - 1, np.arange(len(vertices)))
-        lender = ClosestPointFinder(unmoved(retracting, count, pair[1]).mesh.corners)
+        receiver = ClosestPointFinder(unmoved(retracting, count, pair[1]).mesh.corners)
         # Exact distances would take a hundred times as long.
-        places = lender.find_about(retracted.vertices[vertices])
+        places = receiver.find_about(retracted.vertices[vertices])
         return cls(pair[0], vertices, own, np.concatenate([faces, ends[faces][:, ::-1]]), places)
 
-    def added(self, borrower: TriangleMesh, lender: MovedShape | None) -> NDArray[np.float64]:
-        """Return the vertices of the part on a moved borrower, retracted where the lender has no weight."""
-        ends = self.places.interpolated(borrower.corners)
-        return np.concatenate([ends if lender is None else lender.vertices[self.vertices], ends[self.is_loose]])
+    def added(self, receiver: TriangleMesh, owner: MovedShape | None) -> NDArray[np.float64]:
+        """Return the vertices of the part on a moved receiver, retracted where the owner has no weight."""
+        ends = self.places.interpolated(receiver.corners)
+        return np.concatenate([ends if owner is None else owner.vertices[self.vertices], ends[self.is_loose]])
 
 
 @dataclass(frozen=True)
-class LendingMotion:
+class MotionWithAddedParts:
     """A motion of shapes with the parts of others; a :class:`.motion.Motion`.
 
     Attributes
     ----------
     motion : Motion
         The motion of the shapes.
-    parts : mapping of int to sequence of LentPart
-        The parts that are added, by their borrowers.
+    parts : mapping of int to sequence of AddedPart
+        The parts that are added, by their receivers.
     rests : mapping of int to Subdivision
-        The borrowers at rest, with these parts.
+        The receivers at rest, with these parts.
     """
 
     motion: Motion
-    parts: Mapping[int, Sequence[LentPart]]
+    parts: Mapping[int, Sequence[AddedPart]]
     rests: Mapping[int, Subdivision]
 
     @classmethod
@@ -100,25 +100,25 @@ class LendingMotion:
         retracting: Motion,
         is_loose: Sequence[NDArray[np.bool_]],
         pairs: Sequence[tuple[int, int]],
-    ) -> LendingMotion:
-        """Lend parts of shapes to those that they occur with.
+    ) -> MotionWithAddedParts:
+        """Add parts of shapes to those that they occur with.
 
         Parameters
         ----------
         motion : Motion
             The motion of the shapes.
         retracting : Motion
-            As for :meth:`LentPart.of`.
+            As for :meth:`AddedPart.of`.
         is_loose : sequence of (v,) bool
             Which vertices of every shape are on such parts.
         pairs : sequence of (int, int)
             Shapes that occur together in a blend.
         """
-        parts: dict[int, list[LentPart]] = {}
-        for lender, borrower in ways_between(pairs):
-            if is_loose[lender].any():
-                part = LentPart.of(retracting, (lender, borrower), len(is_loose), is_loose[lender])
-                parts.setdefault(borrower, []).append(part)
+        parts: dict[int, list[AddedPart]] = {}
+        for owner, receiver in ways_between(pairs):
+            if is_loose[owner].any():
+                part = AddedPart.of(retracting, (owner, receiver), len(is_loose), is_loose[owner])
+                parts.setdefault(receiver, []).append(part)
         rests = {index: _with_parts(unmoved(motion, len(is_loose), index), own) for index, own in parts.items()}
         return cls(motion, parts, rests)
 
@@ -129,13 +129,13 @@ class LendingMotion:
         for index, parts in self.parts.items():
             own = shapes[index]
             if own is not None:
-                added = [part.added(own.mesh, shapes[part.lender]) for part in parts]
+                added = [part.added(own.mesh, shapes[part.owner]) for part in parts]
                 rest = self.rests[index]
                 found[index] = MovedShape(rest.mesh, np.concatenate([own.vertices, *added]), rest.parents)
         return found
 
 
-def _with_parts(shape: MovedShape, parts: Sequence[LentPart]) -> Subdivision:
+def _with_parts(shape: MovedShape, parts: Sequence[AddedPart]) -> Subdivision:
     """Return a shape at rest with parts, whose triangles belong to those of the shape that they are on."""
     added = [TriangleMesh(part.added(shape.rest, None), part.faces) for part in parts]
     parents = np.arange(len(shape.rest.faces)) if shape.parents is None else shape.parents
