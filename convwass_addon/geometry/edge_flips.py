@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import edge_use, faces_touching
+from .edges import edge_use, faces_touching, pair_numbers
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .triangle_angles import smallest_angle_cosines
@@ -89,7 +89,7 @@ class _Flips:
         fits &= ~_is_edge(c, d, flat[use.side[use.start]], flat[_next(use.side[use.start])])
         chosen = _best_of_both(one, other, np.where(fits, before - after, 0.0), len(faces))
         # Of flips to the same new edge, as from both sides of a thin fin, the best one.
-        _, own = np.unique(_keys(c, d)[chosen], return_index=True)
+        _, own = np.unique(pair_numbers(c, d)[chosen], return_index=True)
         chosen = chosen[np.sort(own)]
         return cls(one[chosen], other[chosen], made[0, chosen], made[1, chosen])
 
@@ -121,14 +121,9 @@ def _is_edge(
     c: NDArray[np.int64], d: NDArray[np.int64], tails: NDArray[np.int64], heads: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
     """Return which pairs of vertices are already joined by an edge; edges are sorted by their ends."""
-    keys, wanted = _keys(tails, heads), _keys(c, d)
+    keys, wanted = pair_numbers(tails, heads), pair_numbers(c, d)
     place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
     return (keys[place] == wanted) | (c == d)
-
-
-def _keys(tails: NDArray[np.int64], heads: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return a number for every undirected edge, which increases with its smaller end, (n,)."""
-    return (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
 
 
 def _best_of_both(

@@ -43,14 +43,20 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
     """Group the half-edges of `faces`, (m, 3), by undirected edge."""
     tail = faces.ravel()
     head = np.roll(faces, -1, axis=1).ravel()
-    key, order = sorted_pairs(np.minimum(tail, head), np.maximum(tail, head))
+    key, order = sorted_pairs(tail, head)
     start = np.flatnonzero(np.r_[True, key[1:] != key[:-1]]) if len(key) else np.empty(0, np.int64)
     count = np.diff(np.r_[start, len(key)])
     return EdgeUse(side=order, face=order // 3, forward=(tail < head)[order], start=start, count=count)
 
 
-def sorted_pairs(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Sort pairs of vertices, (k,) each; return a number for every pair, in order, and the stable order, (k,)."""
+def pair_numbers(one: NDArray[np.int64], other: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return numbers of undirected pairs of vertices, (k,) each, ordered by the smaller vertex, then by the larger."""
+    return (np.minimum(one, other) << 32) | np.maximum(one, other)
+
+
+def sorted_pairs(one: NDArray[np.int64], other: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Sort undirected pairs of vertices, (k,) each, by their numbers; return these and the stable order, (k,) each."""
+    low, high = np.minimum(one, other), np.maximum(one, other)
     count = int(high.max(initial=0)) + 1
     order = label_order(high, count)
     order = order.take(label_order(low.take(order), count))
@@ -58,7 +64,7 @@ def sorted_pairs(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArr
 
 
 def paired_vertices(keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the vertices of pairs, (k, 2), from the numbers that :func:`sorted_pairs` gives them."""
+    """Return the vertices of pairs, (k, 2), smaller index first, from the numbers of :func:`pair_numbers`."""
     return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
 
 
@@ -71,7 +77,7 @@ def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
 def mesh_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the edges of `faces`, (m, 3), between different vertices, each once and sorted, smaller index first."""
     tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-    keys, _ = sorted_pairs(np.minimum(tails, heads), np.maximum(tails, heads))
+    keys, _ = sorted_pairs(tails, heads)
     ends = paired_vertices(keys[np.diff(keys, prepend=-1) > 0])
     return ends[ends[:, 0] < ends[:, 1]]
 

@@ -64,7 +64,7 @@ class Polygons:
         following = np.arange(1, len(self.corners) + 1)
         following[np.append(self.starts[1:], len(self.corners))[: len(self.starts)] - 1] = self.starts
         tails, heads = self.corners, self.corners[following]
-        keys, order = sorted_pairs(np.minimum(tails, heads), np.maximum(tails, heads))
+        keys, order = sorted_pairs(tails, heads)
         is_first = np.diff(keys, prepend=-1) > 0
         of_corners = np.empty(len(order), np.int64)
         of_corners[order] = np.cumsum(is_first) - 1

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .components import component_labels
+from .edges import paired_vertices, sorted_pairs
 
 SEAM_DETOUR = 3.0
 """A point lies beyond a seam if its distance in the texture from the center of a triangle exceeds this multiple of what
@@ -38,16 +39,14 @@ class SharedEdges:
     def of(cls, faces: NDArray[np.int64]) -> SharedEdges:
         """Find the shared edges; a non-manifold edge gives one pair for each two consecutive triangles."""
         tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
-        keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
-        order = np.argsort(keys, kind="stable")
-        same = np.flatnonzero(np.diff(keys[order]) == 0)
-        halves = np.stack([order[same], order[same + 1]], axis=1)
+        keys, order = sorted_pairs(tails, heads)
+        same = np.flatnonzero(np.diff(keys) == 0)
+        halves, vertices = np.stack([order[same], order[same + 1]], axis=1), paired_vertices(keys[same])
         owner, place = np.divmod(halves, 3)
         ends = np.stack([place, (place + 1) % 3], axis=2)
-        low = np.minimum(tails, heads)[halves[:, 0]]
-        swapped = tails[halves] != low[:, None]
+        swapped = tails[halves] != vertices[:, :1]
         ends[swapped] = ends[swapped][:, ::-1]
-        return cls(owner, ends, np.stack([low, np.maximum(tails, heads)[halves[:, 0]]], axis=1))
+        return cls(owner, ends, vertices)
 
     def values(self, corner_values: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return values given at the corners of triangles, (f, 3, d), at both ends of each edge: (e, 2, 2, d).

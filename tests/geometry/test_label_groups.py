@@ -27,9 +27,10 @@ def test_many_items_with_the_same_label_stay_in_order(count):
 
 
 @pytest.mark.parametrize("count", [0, 10, 20_000])
-def test_pairs_are_sorted_by_their_first_and_then_by_their_second_item(count):
-    low, high = np.random.default_rng(0).integers(0, 100, (2, count))
-    keys, order = sorted_pairs(low, high)
+def test_pairs_are_sorted_by_their_smaller_and_then_by_their_larger_item(count):
+    one, other = np.random.default_rng(0).integers(0, 100, (2, count))
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    keys, order = sorted_pairs(one, other)
     np.testing.assert_array_equal(order, np.lexsort((high, low)))
     assert (np.diff(keys) >= 0).all()
     np.testing.assert_array_equal(np.diff(keys) == 0, (np.diff(low[order]) == 0) & (np.diff(high[order]) == 0))
