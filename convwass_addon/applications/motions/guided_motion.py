@@ -157,8 +157,8 @@ class GuidedMotion:
                     found.append(self._correspondence((place, other_place), (shape, other), points))
         poses = mutual_poses(shares, found)
         moved = {
-            shape: pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, state[0]))
-            for shape, own, state, pose in zip(active, points, states, poses, strict=True)
+            shape: pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, gradients))
+            for shape, own, (gradients, _, _), pose in zip(active, points, states, poses, strict=True)
         }
         if self.versions and self.settings.way == 1.0:
             moved = met(self.versions, moved, shares, 1.0 - self.settings.stiffness)
@@ -260,9 +260,9 @@ def guided_motion(
         registration = _registered(both, (one, other), places, settings, control)
         begin, end = (_READ + (1.0 - _READ) * share / len(pairs) for share in (number, number + 1))
         with one_blas_thread():
-            work = _deformed(one, other, registration, control)
-            there, back, best, quality = yield from within(work, begin, end)
-        deformations[ordered], deformations[ordered[::-1]] = there, back
+            best, match = yield from within(_deformed(one, other, registration, control), begin, end)
+        deformations[ordered], deformations[ordered[::-1]] = match.there, match.back
+        quality = match.quality
         score = max(best.score, min(quality.confidence, 1.0)) if quality.is_beyond_doubt else best.score
         followed = best.map.pairs.tolist()
         left_out = sum(place not in followed for place in places.tolist())
@@ -289,15 +289,15 @@ def _make_consistent(
     for (one, other), way in composed_ways(scores, len(carriers)).items():
         with one_blas_thread():
             laid = [composed(carriers, deformations, own, control) for own in (way, way[::-1])]
-            there, back, quality = _split_both(carriers[one], carriers[other], *laid, control)
-        deformations[one, other], deformations[other, one] = there, back
+            match = _Match.of(carriers[one], carriers[other], *laid, control)
+        deformations[one, other], deformations[other, one] = match.there, match.back
         passed = [known[min(step), max(step)] for step in pairwise(way)]
         known[one, other] = GuidedPair(
             min(pair.score for pair in passed),
             sum(pair.guides_left_out for pair in passed),
             max(pair.detour for pair in passed),
             max(pair.turn for pair in passed),
-            quality.crumpling,
+            match.quality.crumpling,
             any(pair.tumbles for pair in passed),
         )
 
@@ -317,25 +317,31 @@ def _registered(
 
 def _deformed(
     one: Carrier, other: Carrier, registration: Work[MappedPair], control: Control
-) -> Work[tuple[ShapeDeformation, ShapeDeformation, MappedPair, MapQuality]]:
-    """Deform two shapes to match each other, as their registration tells; also return how well they do."""
+) -> Work[tuple[MappedPair, _Match]]:
+    """Register two shapes, and deform them to match each other."""
     best = yield from within(registration, 0.0, _LAID)
     yield Progress(_LAID, registering(one, other))
-    there, back, quality = _split_both(one, other, best.laid.first, best.laid.second, control)
-    return there, back, best, quality
+    return best, _Match.of(one, other, best.laid.first, best.laid.second, control)
 
 
-def _split_both(
-    one: Carrier, other: Carrier, first: Laid, second: Laid, control: Control
-) -> tuple[ShapeDeformation, ShapeDeformation, MapQuality]:
-    """Divide the deformations of two shapes that are laid onto each other; also return how well they match."""
-    # The samples of both shapes are needed for both directions.
-    both_ways(lambda k: (one, other)[k].samples)
-    there = split_deformation(one, other, first, None, control)
-    back = split_deformation(other, one, second, there, control)
-    ways = (one, other, there), (other, one, back)
-    qualities = both_ways(lambda k: map_quality(*ways[k]))
-    return there, back, qualities[0].or_worse(qualities[1])
+@dataclass(frozen=True)
+class _Match:
+    """The deformations of two shapes that match each other, and how well they do."""
+
+    there: ShapeDeformation
+    back: ShapeDeformation
+    quality: MapQuality
+
+    @classmethod
+    def of(cls, one: Carrier, other: Carrier, first: Laid, second: Laid, control: Control) -> _Match:
+        """Divide the deformations of two shapes that are laid onto each other."""
+        # The samples of both shapes are needed for both directions.
+        both_ways(lambda k: (one, other)[k].samples)
+        there = split_deformation(one, other, first, None, control)
+        back = split_deformation(other, one, second, there, control)
+        ways = (one, other, there), (other, one, back)
+        qualities = both_ways(lambda k: map_quality(*ways[k]))
+        return cls(there, back, qualities[0].or_worse(qualities[1]))
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:
