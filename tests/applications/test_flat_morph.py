@@ -11,7 +11,7 @@ from convwass_addon.applications.flat.flat_colors import carried_colors
 from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
-from convwass_addon.applications.flat.gray_images import colored, regraded
+from convwass_addon.applications.flat.gray_images import regraded
 from convwass_addon.applications.flat.letters import letters_of, matched_letters
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend
 from convwass_addon.errors import Cancelled, InputError
@@ -200,13 +200,6 @@ def test_silhouettes_and_curves_can_be_mixed():
     image = FlatImage(values, 0.05, (0.0, 0.0), "silhouette")
     (frame,) = frames_of([image, shape(rectangle((10, 0), (12, 2)))], single_blend([1, 1], 2))
     assert overlap(frame.outline, rectangle((5.5, 0.5), (7.5, 2.5))) > 0.97
-
-
-def test_colors_of_grays_lie_between_stops():
-    found = colored(np.array([[0.0, 0.5, 2.0]]), (0.0, 1.0), ((0, 0, 0), (1.0, 0.5, 0)))
-    np.testing.assert_allclose(found[0], [[0, 0, 0], [0.5, 0.25, 0], [1, 0.5, 0]])
-    with pytest.raises(InputError, match="rising"):
-        colored(np.zeros((1, 1)), (1.0, 0.0), ((0, 0), (1, 1)))
 
 
 @pytest.mark.parametrize(
