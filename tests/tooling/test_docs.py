@@ -128,9 +128,13 @@ def understood_by_run(words: list[str]) -> None:
 
 def understood_by_convwass(words: list[str]) -> None:
     try:
-        program.command_line_parser("convwass").parse_args(words)
+        options = program.command_line_parser("convwass").parse_args(words)
     except SystemExit as stop:
         assert stop.code == 0, words
+    else:
+        # Commands refuse to overwrite their inputs.
+        files = [re.sub(r"\.blend:.*", ".blend", word) for word in words]
+        assert files.count(str(getattr(options, "out", None))) <= 1, words
 
 
 def test_a_wrong_command_is_detected():
