@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
@@ -282,6 +283,16 @@ def test_an_arm_that_grows_stays_upright():
         expected = hook(0.3 + 1.2 * time)
         for own in shapes:
             assert overlap(own, expected.moved(own.center - expected.center)) > 0.93
+
+
+def test_an_o_opens_without_spurs_at_its_ends():
+    """Its ends swing apart to become those of a C; nothing is wider on the way than in one of the letters."""
+    outer, inner = (np.degrees(np.arccos(0.55 / radius)) for radius in (1.0, 0.8))
+    ends = [arc((0, 0), 1.0, outer, 360 - outer), arc((0, 0), 0.8, 360 - inner, inner)]
+    o, c = filled(ellipse(), ellipse(radii=(0.8, 0.8))[::-1]), filled(np.concatenate(ends) * (1.15, 1.0))
+    for own in halfway(o, c):
+        cells = coverage(own.moved(-own.bounds[0] * 200.0 + 5.0, 200.0), (420, 420)) > 0.5
+        assert distance_transform_edt(cells).max() / 200.0 < 0.115
 
 
 def test_a_letter_stands_where_its_hole_opens():
