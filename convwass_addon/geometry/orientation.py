@@ -65,6 +65,8 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     for piece in np.flatnonzero((volumes < 0) & ~repaired):
         inward[piece] = not _inside_others(outward, pieces, piece)
     outward = _with_turned(outward, inward[pieces])
+    if not repaired.any():
+        return outward
     return _with_turned(outward, _turned_in(outward, repaired[pieces], pieces, neighbors))
 
 
@@ -157,15 +159,39 @@ def _turned_in(
     neighbors : _Neighbors
         Those of the mesh before the repair.
     """
-    agree, areas = neighbors.agree, mesh.face_areas
+    agree = neighbors.agree
     patches = component_labels(neighbors.one[agree], neighbors.other[agree], len(pieces))
-    whole, own = np.bincount(pieces, weights=areas), np.bincount(patches, weights=areas)
+    large = np.flatnonzero(repaired & _is_large(mesh, patches, pieces))
     inward = np.zeros(len(pieces), bool)
-    for patch in np.unique(patches[repaired & (own[patches] >= _LARGE * whole[pieces])]):
+    if not len(large):
+        return inward
+    for patch in _enclosing_less_than_nothing(mesh, patches, large):
         faces = patches == patch
         component = pieces == pieces[np.argmax(faces)]
         inward[faces] = _winding_in_front(_chosen(mesh, faces), _chosen(mesh, component)) < _INVERTED
     return inward
+
+
+def _is_large(mesh: TriangleMesh, patches: NDArray[np.int64], pieces: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Return which triangles, (m,), belong to patches that have much of the area of their component."""
+    own, whole = (np.bincount(labels, weights=mesh.face_areas)[labels] for labels in (patches, pieces))
+    return own >= _LARGE * whole
+
+
+def _enclosing_less_than_nothing(
+    mesh: TriangleMesh, patches: NDArray[np.int64], faces: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Return the patches of some triangles, given by their indices, that have a negative volume about their centroids.
+
+    Winding numbers take much longer, and most patches face outward.
+    """
+    found, labels = np.unique(patches[faces], return_inverse=True)
+    corners, areas = mesh.corners[faces], mesh.face_areas[faces]
+    points = corners.mean(axis=1)
+    centers = np.stack([np.bincount(labels, weights=areas * own) for own in points.T], axis=1)
+    centers /= np.bincount(labels, weights=areas)[:, None]
+    heights = np.einsum("ij,ij->i", triangle_normals(corners), points - centers[labels])
+    return found[np.bincount(labels, weights=areas * heights) < 0.0]
 
 
 def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) -> bool:
