@@ -56,7 +56,9 @@ def _opposite_vertices(mesh: TriangleMesh, edge: float) -> NDArray[np.int64]:
     height = np.einsum("kd,kd->k", across, normals[one])
     aside = np.linalg.norm(across - height[:, None] * normals[one], axis=1)
     is_near = (height > 0.0) & (height < _THIN * edge) & (aside < _LEANING * edge)
-    fits = np.flatnonzero(is_near & (labels[one] == labels[other]))
+    # Normals lean at rims: across a gap, the other side may be below a vertex, but not the vertex below the other side.
+    is_within = np.einsum("kd,kd->k", across, normals[other]) < 0.0
+    fits = np.flatnonzero(is_near & is_within & (labels[one] == labels[other]))
     # The neighbors of a vertex are sorted by distance.
     nearest = fits[np.unique(one[fits], return_index=True)[1]]
     return np.unique(np.sort(used[np.stack([one[nearest], other[nearest]], axis=1)], axis=1), axis=0)
