@@ -14,8 +14,8 @@ from convwass_addon.geometry.volume_correction import with_volume
 from tests.shapes import ball, extruded, joined
 
 
-def corrected(mesh, volume):
-    return with_volume(mesh, vertex_normals(mesh.vertices, mesh.faces), volume, 1.0)
+def corrected(mesh, volume, cell=1.0):
+    return with_volume(mesh, vertex_normals(mesh.vertices, mesh.faces), volume, cell)
 
 
 def plate(thickness):
@@ -34,6 +34,31 @@ def test_no_vertex_moves_farther_than_the_limit():
     mesh = ball(6.0)
     found = corrected(mesh, 0.5 * mesh.volume)
     np.testing.assert_allclose(np.linalg.norm(found.vertices, axis=1), 5.4, atol=1e-3)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+def test_it_does_not_depend_on_the_size(size):
+    mesh = ball(6.0)
+    larger = TriangleMesh(size * mesh.vertices, mesh.faces)
+    found = corrected(larger, 0.9 * larger.volume, size)
+    np.testing.assert_allclose(found.vertices, size * corrected(mesh, 0.9 * mesh.volume).vertices, rtol=1e-9)
+
+
+def test_what_is_not_thin_makes_up_for_what_is():
+    thick, thin = ball(2.0), plate(0.1)
+    both = joined(thick, thin.moved((0.0, 0.0, 12.0)))
+    wanted = thick.volume * (1.5 / 2.0) ** 3 + 0.4 * thin.volume
+    assert corrected(both, wanted).volume == pytest.approx(wanted, rel=1e-3)
+
+
+def test_blocks_across_a_gap_are_not_thin():
+    blocks = [
+        extruded(np.array([[-2.0, -2.0], [2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]]), low=low, high=low + 4.0, edge=0.5)
+        for low in (-4.05, 0.05)
+    ]
+    alone, both = blocks[1], joined(*blocks)
+    found = corrected(both, 0.7 * both.volume).vertices[len(blocks[0].vertices) :]
+    np.testing.assert_allclose(found, corrected(alone, 0.7 * alone.volume).vertices, atol=1e-6)
 
 
 @pytest.mark.parametrize("thickness", [0.1, 0.3, 0.6])
