@@ -74,6 +74,15 @@ def test_randomly_flipped_faces_are_reoriented(share):
     assert mended.volume == pytest.approx(mesh.volume)
 
 
+def test_of_two_components_only_the_one_whose_faces_disagree_is_changed():
+    """The consistent one is last, and is a cavity."""
+    outer, cavity = ball(), ball(0.6).flipped()
+    faces = outer.faces.copy()
+    faces[::3] = faces[::3, ::-1]
+    hollow = orient_outward(joined(TriangleMesh(outer.vertices, faces), cavity))
+    np.testing.assert_array_equal(hollow.faces, joined(outer, cavity).faces)
+
+
 @pytest.mark.parametrize("inward", ["neither", "both"])
 def test_both_halves_of_a_solid_that_passes_through_itself_face_outward(inward):
     """As where Blender's Skin modifier attaches legs: seen by their edges, one of them is inside out."""
@@ -115,11 +124,13 @@ def test_a_cavity_stays_a_cavity():
     assert orient_outward(hollow).volume == pytest.approx(ball(1.0).volume - ball(0.6).volume)
 
 
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e3])
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_cavity_that_ends_at_the_surface_stays_one(side):
+def test_a_cavity_that_ends_at_the_surface_stays_one(side, size):
     """Half of its corners are on the surface, or just beyond it."""
-    cavity = box((0.5, 0.5, 0.5), (0.0, 0.0, side * 0.25025)).flipped()
-    assert orient_outward(joined(box(), cavity)).volume == pytest.approx(1.0 - 0.125)
+    hollow = joined(box(), box((0.5, 0.5, 0.5), (0.0, 0.0, side * 0.25025)).flipped())
+    found = orient_outward(TriangleMesh(size * hollow.vertices, hollow.faces))
+    assert found.volume == pytest.approx(size**3 * (1.0 - 0.125))
 
 
 def in_two_pieces(mesh):
