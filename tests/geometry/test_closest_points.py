@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from scipy.optimize import nnls
 
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.closest_points import ClosestPointFinder, TriangleSamples, closest_in_triangles
 from tests.shapes import ball, box, joined, square, torus
 
 
@@ -80,9 +80,39 @@ def test_values_of_corners_are_interpolated():
     np.testing.assert_allclose(found.interpolated(np.array([[[0.0], [1.0], [10.0]]])), [[5.25]])
 
 
+@pytest.mark.parametrize("radius", [3.0, 1.0, 0.3, 0.11])
+def test_samples_are_within_their_radius_of_every_point_and_balanced(radius):
+    generator = np.random.default_rng(2)
+    corners = generator.normal(size=(20, 3, 3))
+    samples = TriangleSamples.spaced(corners, radius)
+    nearest = np.full((20, 200), np.inf)
+    everywhere = np.einsum("nkc,ncd->nkd", generator.dirichlet([0.7] * 3, (20, 200)), corners)
+    for point, triangle in zip(samples.points, samples.triangles, strict=True):
+        nearest[triangle] = np.minimum(nearest[triangle], np.linalg.norm(everywhere[triangle] - point, axis=1))
+    assert nearest.max() <= samples.radius
+    means = [samples.points[samples.triangles == triangle].mean(axis=0) for triangle in range(20)]
+    np.testing.assert_allclose(means, corners.mean(axis=1), atol=1e-12)
+
+
+def test_samples_of_an_equilateral_triangle_are_spaced_exactly():
+    corners = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, np.sqrt(0.75), 0.0]]])
+    for cuts in (1, 2, 5):
+        samples = TriangleSamples.spaced(corners, 1.0 / np.sqrt(3.0) / cuts)
+        assert len(samples.points) == cuts**2
+        assert samples.radius == pytest.approx(1.0 / np.sqrt(3.0) / cuts)
+
+
+def test_points_that_every_triangle_may_be_closest_to_agree_with_measuring_all():
+    """There are more pairs of points and triangles than are measured at once."""
+    corners, points = ball(points=1500).corners, 1e-4 * np.random.default_rng(8).normal(size=(40, 3))
+    found = ClosestPointFinder(corners).find(points)
+    exact = [closest_in_triangles(corners, np.tile(point, (len(corners), 1))).distances.min() for point in points]
+    np.testing.assert_allclose(found.distances, exact, rtol=1e-12)
+
+
 def test_no_points_are_accepted_and_no_triangles_are_refused():
     assert len(ClosestPointFinder(box().corners).find(np.empty((0, 3))).triangles) == 0
     with pytest.raises(ValueError, match="at least one triangle"):
         ClosestPointFinder(np.empty((0, 3, 3)))
-    with pytest.raises(ValueError, match="finite"):
+    with pytest.raises(ValueError, match="corners must be finite"):
         ClosestPointFinder(np.full((1, 3, 3), np.nan))
