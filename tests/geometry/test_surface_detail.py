@@ -83,6 +83,16 @@ def test_a_surface_with_bumps_gets_more_triangles_than_it_had_and_not_too_many(s
     assert 1.2 * len(smooth.faces) < len(found.faces) < 3.01 * len(smooth.faces)
 
 
+def test_the_highest_bumps_get_the_triangles_where_there_are_not_enough(smooth):
+    even = ball(RADIUS, points=12_000)
+    heights = np.where(even.vertices[:, [2]] > 0.0, 1.0, 0.25)
+    bumpy_above = scaled(even, 1.0 + heights * np.sin(3.0 * even.vertices).prod(axis=1, keepdims=True) / RADIUS)
+    found = alone(smooth, bumpy_above).mesh
+    assert len(found.faces) == 3 * len(smooth.faces)
+    added = found.vertices[len(smooth.vertices) :]
+    assert np.mean(added[:, 2] > 0.0) > 0.6
+
+
 def test_offsets_are_added_with_the_weights(smooth):
     """One shape lies a half above its reading and the other a quarter below: with 1/4 and 3/4 that is -1/16."""
     shapes = [scaled(smooth, 1.0 + height / RADIUS) for height in (0.5, -0.25)]
@@ -174,6 +184,17 @@ def test_edges_stay_straight_where_rows_of_cells_pass_from_one_side_to_the_other
         edge = np.stack([np.full(57, side), along, np.full(57, 15.0)], axis=1) @ axes
         assert away(surface, edge).min() > 0.7
         assert away(found, edge).max() < 0.15
+
+
+def test_vertices_are_on_the_points_and_triangles_that_belong_to_them(turned):
+    """Only at the edges of the box folds are removed and triangles reach around."""
+    mesh, _, surface = turned
+    found = alone(surface, mesh)
+    on_shape = found.places[0].interpolated(mesh.corners)
+    assert np.quantile(np.linalg.norm(found.mesh.vertices - on_shape, axis=1), 0.99) < 0.05
+    below = triangle_normals(mesh.corners)[found.triangles[0]]
+    facing = np.einsum("md,md->m", triangle_normals(found.mesh.corners), below)
+    assert found.mesh.face_areas[facing > 0.9].sum() > 0.99 * found.mesh.area
 
 
 def test_points_deep_below_an_edge_belong_to_the_edge(turned):
