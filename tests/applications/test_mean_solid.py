@@ -180,7 +180,28 @@ def test_the_volume_is_reached_where_solids_differ():
     assert (found[:, :, 36] > 0.0).sum() == (common[:, :, 36] > 0.0).sum()
 
 
-def test_where_solids_do_not_differ_the_whole_surface_is_offset():
-    found = mean(ball(10.0), ball(10.0), 0.5, volume=4.0 / 3.0 * np.pi * 13.0**3)
+@pytest.mark.parametrize("radius", [13.0, 12.5, 8.3])
+def test_where_solids_do_not_differ_the_whole_surface_is_offset(radius):
+    found = mean(ball(10.0), ball(10.0), 0.5, volume=4.0 / 3.0 * np.pi * radius**3)
     distances = np.linalg.norm(GRID - 22.0, axis=-1)[np.abs(found) < 0.5]
-    assert np.abs(distances - 13.0).max() < 0.6
+    assert np.abs(distances - radius).max() < 0.6
+    assert distances.mean() == pytest.approx(radius, abs=0.1)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.75])
+def test_distances_that_are_not_known_are_computed(share):
+    """Beyond a cell, those given are a third too large."""
+    balls = [np.where(np.abs(depth) > 1.0, 1.3 * depth, depth) for depth in (ball(8.0), ball(12.0))]
+    found = mean(*balls, share)
+    near = np.abs(found) < 1.0
+    expected = 8.0 + 4.0 * share - np.linalg.norm(GRID - 22.0, axis=-1)
+    assert np.abs(found - expected)[near].max() < 0.15
+
+
+def test_only_links_become_thinner_where_that_is_enough():
+    plain = mean(*RUNGS, 0.4)
+    volume = 0.92 * np.clip(plain + 0.5, 0.0, 1.0).sum()
+    found = mean(*RUNGS, 0.4, volume)
+    assert np.clip(found + 0.5, 0.0, 1.0).sum() == pytest.approx(volume, rel=1e-3)
+    np.testing.assert_allclose(found[9, 22, 20:24], POSTS[9, 22, 20:24], atol=1e-3)
+    assert (found[22, 22, [12, 32]] < plain[22, 22, [12, 32]] - 0.3).all()
