@@ -83,6 +83,38 @@ def test_the_gradient_of_the_energy_is_that_of_finite_differences(disc, width):
     assert error < 1e-4 * np.linalg.norm(energy.at(points, width)[1])
 
 
+def energies(rest, after):
+    """The energy of one triangle and another at the same area as all of both."""
+    sides = [np.stack([points[1:3] - points[0], points[2:4] - points[0]]) for points in (rest, after)]
+    scale = np.sqrt(np.linalg.det(sides[1]).sum() / np.linalg.det(sides[0]).sum())
+    jacobians = np.linalg.solve(scale * sides[0], sides[1])
+    areas, squares = np.linalg.det(jacobians), np.square(jacobians).sum(axis=(1, 2))
+    return (squares + 0.5 * (np.square(areas) + 1.0)) / areas
+
+
+SQUARE = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+HALVES = TriangleMesh(np.column_stack([SQUARE, np.zeros(4)]), np.array([(0, 1, 2), (0, 2, 3)]))
+
+
+def test_the_distortion_is_the_mean_energy():
+    after = np.array([(0.0, 0.0), (1.5, 0.0), (1.0, 1.0), (0.4, 0.6)])
+    found = foldover_free(HALVES, after, np.ones(4, bool))
+    expected = energies(SQUARE, after)
+    assert expected.max() > 1.5 * expected.min()
+    assert found.distortion == pytest.approx(expected.mean())
+    # Half of the area is turned over.
+    turned = foldover_free(HALVES, np.array([(0.0, 0.0), (0.3, 0.9), (1.0, 1.0), (0.0, 9.0)]), np.ones(4, bool))
+    assert turned.distortion > 50.0
+
+
+@pytest.mark.parametrize("width", [1e-3, 0.3])
+def test_the_energy_of_reflected_triangles_is_that_of_the_formula(disc, width):
+    reflected = disc.vertices[:, :2] * (1.0, -1.0)
+    # The determinant is -1 everywhere, and the matrices have two entries of 1.
+    expected = (2.0 + 0.5 * 2.0) / (0.5 * width**2 / (1.0 + np.sqrt(1.0 + width**2)))
+    assert module._Energy.of(disc, disc.vertices[:, :2]).at(reflected, width)[0] == pytest.approx(expected)
+
+
 def test_held_vertices_may_be_all(disc):
     rest = disc.vertices[:, :2]
     assert (foldover_free(disc, 2.0 * rest, np.ones(len(rest), bool)).points == 2.0 * rest).all()
