@@ -5,10 +5,13 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+import pytest
 
 from convwass_addon.geometry.facing_points import FacingPointFinder, FacingShape, OrientedSamples
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import triangle_normals
 from tests.applications.maps import subdivided
-from tests.shapes import ball, box
+from tests.shapes import ball, box, joined, square
 
 WING = subdivided(subdivided(subdivided(box((1.0, 1.0, 0.02)))))
 POINTS = np.array([[0.3, 0.2, 0.004], [-0.1, 0.4, -0.003], [0.0, 0.0, 0.2]])
@@ -30,6 +33,28 @@ def test_the_side_of_a_wing_with_the_right_normals_is_found():
         # The last point is too far above to belong to the lower side.
         np.testing.assert_allclose(places[:2, 2], height)
         np.testing.assert_allclose(places[:2, :2], POINTS[:2, :2], atol=1e-9)
+
+
+@pytest.mark.parametrize("length", [1.0, 0.5])
+@pytest.mark.parametrize(("distance", "height"), [(0.45, -0.01), (0.58, 0.01)])
+def test_a_turn_by_60_degrees_counts_as_much_as_a_twentieth_of_the_size(distance, height, length):
+    """A turn by 180 degrees costs four times the square; the lower side is a fiftieth farther away than the upper one.
+
+    So both sides cost the same at the distance d with (d + 0.02)^2 - d^2 = 4 (0.05^2 area), which is about 0.51.
+    """
+    assert (4.0 * 0.05**2 * WING.area - 0.02**2) / (2.0 * 0.02) == pytest.approx(0.51, abs=0.02)
+    found = FacingPointFinder(WING).find(np.array([[0.1, 0.2, 0.01 + distance]]), length * DOWN[None])
+    assert found.interpolated(WING.corners)[0, 2] == pytest.approx(height)
+
+
+def test_a_near_triangle_that_faces_away_is_better_than_small_ones_far_away():
+    """There are more small ones than are measured, and the centers of the large ones are far away."""
+    upright = square(0.2).vertices[:, [2, 0, 1]] + (4.9, 4.9, 1.5)
+    small = subdivided(subdivided(TriangleMesh(upright, square().faces)))
+    assert (triangle_normals(small.corners)[:, 0] > 0.99).all()
+    mesh = joined(square(10.0), small)
+    found = FacingPointFinder(mesh).find(np.array([[4.9, 4.9, 0.01]]), np.array([[1.0, 0.0, 0.0]]))
+    assert found.distances[0] == pytest.approx(0.01)
 
 
 def test_without_normals_the_closest_point_is_found():
