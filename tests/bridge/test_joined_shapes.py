@@ -380,6 +380,16 @@ def test_objects_of_all_types_are_shapes(add, make, volume, tolerance):
     assert mesh.volume == pytest.approx(volume, abs=tolerance)
 
 
+@pytest.mark.parametrize("make", [geometry_nodes_instances, hair, volume_of_fog, emitter, copies_at_vertices])
+def test_objects_of_all_types_are_moved_with_an_empty_that_shows_them(add, make):
+    obj = make(add)
+    alone, collection = read(obj), new_collection("Shown")
+    collection.objects.link(obj)
+    found = read(instance("Empty", collection, (0, 7, 0), (2, 2, 2)))
+    np.testing.assert_allclose(found.bounds, 2.0 * alone.bounds + (0, 7, 0), atol=1e-4)
+    assert found.volume == pytest.approx(8.0 * alone.volume, rel=1e-4)
+
+
 def test_a_text_is_what_its_nodes_make_of_it(add):
     bpy.ops.object.text_add()
     text = bpy.context.object
