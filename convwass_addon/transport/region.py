@@ -84,7 +84,7 @@ class Region:
         return result
 
     def grown(self, cells: int) -> Region:
-        """Return the region and all elements of the grid within this many cells of it along each axis."""
+        """Return the region and all elements of the grid that this many steps across faces reach from it."""
         return Region(dilated(self.inside, cells))
 
     def refined(self) -> Region:
