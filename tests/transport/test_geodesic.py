@@ -143,7 +143,7 @@ def test_vertices_without_area_are_infinitely_far():
         point_distances([0, 100], surface)
 
 
-@pytest.mark.parametrize("sources", [-1, 642, [0, 642], [], 0.5, [[0, 1]], None, "a"])
+@pytest.mark.parametrize("sources", [-1, 642, [0, 642], [-1, 0], [], 0.5, [[0, 1]], None, "a"])
 def test_invalid_sources_are_refused(sources):
     with pytest.raises(ValueError, match="sources must"):
         point_distances(sources, sphere(3, 0.01))

@@ -113,3 +113,17 @@ def test_values_that_represent_nothing_are_not_interpolated():
     assert found.converged
     assert found.iterations[0] <= 3
     assert difference(found, plain) < 5e-3
+
+
+@pytest.mark.parametrize("unknown", [0, 1])
+def test_where_one_neighbor_has_no_scaling_that_of_the_other_is_used(unknown):
+    """Of either input, in half of the grid, and left out or replaced by a value that represents nothing."""
+    one = solved([0.5, 0.5, 0.0], 1e-6)
+    finest = one.levels[-1].on(Region.whole(GRID.shape))
+    left = np.broadcast_to(np.arange(GRID.shape[1]) < 20, GRID.shape)
+    columns = finest.log_v.copy()
+    columns[unknown, finest.region.gather(left)] = LOG_NOTHING
+    for potentials in (Potentials(finest.region, columns, finest.log_debias), finest.on(Region(~left))):
+        found = barycenter_between(replace(one, levels=(potentials,)), one, 0.5, INPUTS)
+        assert found.iterations == (1,)
+        assert difference(found, one) < 1e-5
