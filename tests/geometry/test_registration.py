@@ -156,3 +156,35 @@ def test_it_can_be_stopped_within_a_stage(arms):
     found = Registration(source, source, np.empty((0, 2), np.int64), source.vertices)
     with pytest.raises(Cancelled):
         found.advance(TO_THE_END[:1], CountingControl(last=3))
+
+
+NO_PAIRS, UP = np.empty((0, 2), np.int64), np.array([0.0, 0.0, 1.0])
+
+
+@pytest.mark.parametrize("give", [None, 0.2])
+def test_every_vertex_is_pulled_to_a_coarse_surface(give):
+    """Bumps are flattened, also far from the few vertices of the flat surface."""
+    flat = sheet(21, 21)
+    heights = 0.02 * np.sin(20.0 * flat.vertices[:, 0]) * np.sin(20.0 * flat.vertices[:, 1])
+    source = UnitShape.of(TriangleMesh(flat.vertices + heights[:, None] * UP, flat.faces))
+    found = Registration(source, UnitShape.of(sheet(3, 3)), NO_PAIRS, source.vertices)
+    advanced(found, (Stage(1e4, 0.0, 0.03, 5, give),))
+    assert np.abs(source.vertices[:, 2]).max() > 0.015
+    assert np.abs(found.points[:, 2]).max() < 0.002
+
+
+@pytest.mark.parametrize(("reach", "height"), [(0.2, 0.3), (0.4, 0.0)])
+@pytest.mark.parametrize("give", [None, 0.2])
+def test_points_beyond_the_reach_have_no_effect(reach, height, give):
+    shape = UnitShape.of(sheet(9, 9))
+    found = Registration(shape, shape, NO_PAIRS, shape.vertices + 0.3 * UP)
+    found.reach = reach
+    advanced(found, (Stage(1e3, 0.0, 0.05, 5, give),))
+    np.testing.assert_allclose(found.points, shape.vertices + height * UP, atol=0.005)
+
+
+def test_the_energy_rises_with_the_square_of_the_distance():
+    shape = UnitShape.of(sheet(9, 9))
+    near, far = (Registration(shape, shape, NO_PAIRS, shape.vertices + z * UP).energy() for z in (0.01, 0.03))
+    assert far == pytest.approx(9.0 * near, rel=1e-6)
+    assert near > 0.0
