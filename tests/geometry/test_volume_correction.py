@@ -38,7 +38,7 @@ def test_no_vertex_moves_farther_than_the_limit():
 
 @pytest.mark.parametrize("size", [1e-3, 1e3])
 def test_it_does_not_depend_on_the_size(size):
-    mesh = ball(6.0)
+    mesh = joined(ball(6.0), plate(0.3).moved((0.0, 0.0, 12.0)))
     larger = TriangleMesh(size * mesh.vertices, mesh.faces)
     found = corrected(larger, 0.9 * larger.volume, size)
     np.testing.assert_allclose(found.vertices, size * corrected(mesh, 0.9 * mesh.volume).vertices, rtol=1e-9)
