@@ -128,3 +128,59 @@ def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided
     sides = MirroredSides.of(*(own.mesh for own in carriers))
     found = drained(pair_map(*carriers, pairs, 1000, UNINTERRUPTED, sides))
     assert (found.score, len(scores)) == (expected, count)
+
+
+def tried_with(monkeypatch, scores, missed=(), around=(), seeds=NO_PAIRS):
+    """Let maps have scores by the first vertices of their pairs; return those that are asked for."""
+    asked = []
+
+    def solved(_shapes, given, groups=None, *_others, weight=None):
+        yield from ()
+        asked.append("upright" if weight else tuple(given[:, 0].tolist()))
+        return PairMap(asked[-1], given, scores[asked[-1]])
+
+    def confidences(_first, _second, _found, chosen):
+        return np.array([around[place - 1] for place in chosen[:, 0]])
+
+    monkeypatch.setattr(pair_maps, "_solved", solved)
+    monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.array(missed))
+    monkeypatch.setattr(pair_maps, "_confidence_around", confidences)
+    monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: seeds)
+    return asked
+
+
+GUIDES = np.array([(1, 5), (2, 6), (3, 7)])
+
+
+@pytest.mark.parametrize(
+    ("missed", "scores", "asked"),
+    [
+        ((0.1, 0.1, 0.9), {(1, 2, 3): 0.73}, [(1, 2, 3)]),
+        ((0.1, 0.1, 0.9), {(1, 2, 3): 0.71, (1, 2): 0.73}, [(1, 2, 3), (1, 2)]),
+        ((0.1, 0.9, 0.9), {(1, 2, 3): 0.71, (1, 3): 0.73}, [(1, 2, 3), (1, 3)]),
+    ],
+    ids=["all are good", "most agree with the plain map", "the one with the lowest confidence is wrong"],
+)
+def test_guides_are_left_out_until_the_map_is_hardly_worse_than_the_plain_one(monkeypatch, missed, scores, asked):
+    found = tried_with(monkeypatch, {(): 0.8, **scores}, missed, around=(0.5, 0.1, 0.9))
+    carriers = [carrier_of(mesh, "shape", 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    chosen = drained(pair_map(*carriers, GUIDES, 1000, UNINTERRUPTED))
+    assert found == [(), *asked]
+    np.testing.assert_array_equal(chosen.pairs, GUIDES[[place - 1 for place in asked[-1]]])
+
+
+@pytest.mark.parametrize(
+    ("with_seeds", "without", "upright", "taken"),
+    [
+        (0.6, 0.9, 0.9, (4,)),
+        (0.1, 0.6, 0.9, ()),
+        (0.1, 0.4, 0.33, ()),
+        (0.1, 0.4, 0.35, "upright"),
+        (0.3, 0.9, 0.25, (4,)),
+    ],
+)
+def test_points_that_coincide_need_not_correspond(monkeypatch, with_seeds, without, upright, taken):
+    """If there is no good map with them, one without them is tried, and then an upright one."""
+    tried_with(monkeypatch, {(4,): with_seeds, (): without, "upright": upright}, seeds=np.array([(4, 4)]))
+    carriers = [carrier_of(mesh, "shape", 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    assert drained(pair_map(*carriers, NO_PAIRS, 1000, UNINTERRUPTED)).found == taken
