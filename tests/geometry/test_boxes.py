@@ -8,7 +8,7 @@ import pytest
 from convwass_addon.geometry.boxes import bounding_box, box_around, padded_box
 
 INSIDE = np.zeros((8, 9, 6), bool)
-INSIDE[(2, 5), (1, 4), (5, 3)] = True
+INSIDE[(2, 3, 5), (1, 2, 4), (5, 4, 3)] = True
 
 
 def test_bounds_are_those_of_the_cells():

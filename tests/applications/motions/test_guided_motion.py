@@ -307,3 +307,18 @@ def test_reading_shapes_that_are_made_coarser_is_reported():
         fractions.append(report.fraction)
     assert len(fractions) > 4 and fractions == sorted(fractions)
     assert fractions[0] == 0.0 < fractions[1] and fractions[-1] <= 0.05
+
+
+@pytest.mark.parametrize("coherence", [0.5, 0.7, 1.0])
+def test_a_larger_copy_is_reached_through_similar_shapes(coherence, growth):
+    """However stiff they are."""
+    for shape, size in zip(growth.with_coherence(coherence).moved([0.25, 0.75]), (2.5, 2.5 / 3.0), strict=True):
+        own, rest = (points - points.mean(axis=0) for points in (shape.vertices, shape.rest.vertices))
+        np.testing.assert_allclose(own, size * rest, atol=1e-3)
+
+
+@pytest.fixture(scope="module")
+def growth():
+    """A figure becomes one three times as large, whose vertices are in another order."""
+    mesh = figure()[0]
+    return motion_of(mesh, shuffled(TriangleMesh(3.0 * mesh.vertices, mesh.faces))[0], settings=TINY)
