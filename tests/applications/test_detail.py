@@ -5,20 +5,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
 from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.detail import starts_on_readings
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.occupancy import occupancy
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball, box, turned
 
@@ -27,10 +32,10 @@ ANGLE = 1.0
 
 
 def bumpy_ball():
-    """Bumps that rise and fall by a sixteenth of the radius."""
+    """Bumps that rise and fall by a sixteenth of the radius, on a ball above the origin."""
     mesh = ball(points=4000)
     bumps = np.sin(14.0 * mesh.vertices).prod(axis=1, keepdims=True)
-    return TriangleMesh(mesh.vertices * (1.0 + bumps / 16.0), mesh.faces)
+    return TriangleMesh(mesh.vertices * (1.0 + bumps / 16.0), mesh.faces).moved((0.0, 0.0, 5.0))
 
 
 BALL = bumpy_ball()
@@ -67,6 +72,21 @@ def test_a_bumpy_ball_that_turns_keeps_its_bumps(share):
     assert mean_distance(detailed.mesh, expected, spacing) < 0.04
     assert detailed.mesh.volume == pytest.approx(BALL.volume, rel=1e-3)
     assert detailed.record["volume"] == detailed.mesh.volume
+
+
+@pytest.mark.parametrize(("inner", "outer", "certainty"), [(10.0, 11.0, 1.0), (10.0, 13.0, 2.0 / 3.0)])
+def test_vertices_start_on_the_shapes_above_and_below_them(inner, outer, certainty):
+    """Balls about one center, in a grid whose cells are a tenth of a unit wide; half a blend is the ball between."""
+    spacing, shift, center = 0.1, np.array([5.0, -6.0, 7.0]), np.array([20.3, 19.7, 20.1])
+    low = np.array([-1.9, -2.0, -2.1])
+    filled = [occupancy(ball(radius, center).corners, (40, 40, 40)) for radius in (inner, outer)]
+    between = ball(0.5 * (inner + outer) * spacing, center * spacing + low + shift)
+    frame = SimpleNamespace(mesh=between, blend=Blend((0.5, 0.5)), origins=None)
+    problem = SimpleNamespace(lattice=Lattice((40, 40, 40), spacing, low, np.stack([shift, shift])))
+    found = starts_on_readings(problem, frame, CoincidingSolids.of(filled, (0.5, 0.5)))
+    radii = np.linalg.norm(found.points - (center * spacing + low + shift), axis=2) / spacing
+    np.testing.assert_allclose(radii.T, np.broadcast_to((inner, outer), radii.T.shape), atol=0.2)
+    np.testing.assert_allclose(found.certainty, certainty, atol=0.15)
 
 
 def test_transport_carries_detail_if_requested():

@@ -41,6 +41,16 @@ def test_a_flickering_hole_is_closed():
     assert topology_of([1, 1, 1, 0, 0, 1, 1]).asked() == {}
 
 
+def test_a_leg_needs_only_its_own_shapes_and_blends():
+    """One blend of the second leg is not known."""
+    blends = path_blends(3, 6)
+    topology = SteadyTopology(legs_of(blends))
+    for blend, holes in zip(blends, [1, 1, 0, 1, 0, 0, 1, 1, 0, 1, 0, 0, 1], strict=True):
+        if blend != blends[8]:
+            topology.add(frame(blend, Connectivity(1, holes, 0)))
+    assert topology.asked() == {blends[3]: Connectivity(1, 0, 0)}
+
+
 def test_a_flickering_piece_is_joined():
     two = Connectivity(2, 0, 0)
     assert topology_of([0] * 7, [1, 1, 2, 1, 2, 2, 2], two).asked() == {BLENDS[2]: Connectivity(1, 0, 0)}
@@ -65,7 +75,16 @@ def test_recomputed_frames_keep_the_maximum_over_their_shapes():
     assert topology.asked() == {}
 
 
-@pytest.mark.parametrize("record", [{}, {"found": 1}, {"found": {"pieces": 1}}, {"found": dict.fromkeys("abc", 1)}])
+@pytest.mark.parametrize(
+    "record",
+    [
+        {},
+        {"found": 1},
+        {"found": {"pieces": 1}},
+        {"found": dict.fromkeys("abc", 1)},
+        {"found": {**asdict(RINGS), "handles": "1"}, "most": asdict(RINGS)},
+    ],
+)
 def test_nothing_is_requested_if_a_frame_is_unknown(record):
     topology = SteadyTopology(legs_of(BLENDS))
     for blend, handles in zip(BLENDS, [1, 1, 0, 1, 0, 0, 1], strict=True):
