@@ -103,6 +103,28 @@ def test_a_rod_that_only_one_solid_has_grows_out_of_the_other(share):
     assert (line[6 : int(top)] > 0.5).all()
 
 
+@pytest.mark.parametrize("share", [0.4, 0.6])
+def test_a_rod_that_is_a_third_of_the_surface_grows_out_of_a_ball(share):
+    """So much is not taken for a small rest, but its mean is known."""
+    base = filled(6.5, np.array([20.5, 20.5, 11.0]))
+    solids = CoincidingSolids.of([base, np.maximum(base, rod(3.5, 20.5))], (1.0 - share, share))
+    assert solids.disagreement == 0.0
+    top = np.flatnonzero(solids.density[20, 20] > 0.5)[-1] + 0.5
+    assert top == pytest.approx(17.5 + (34.0 + 3.0 - 17.5) * share, abs=2.0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "top", "least"), [(9.0, 16, (1.0, 1.0)), (4.5, 24, (0.2, 0.8)), (4.5, 34, (0.0, 0.01))]
+)
+def test_a_small_rest_is_taken_to_agree_and_a_middle_one_in_part(radius, top, least):
+    """A rod moves beside a ball: about 3, 19 and 27 % of the surface."""
+    here = filled(radius, np.array([20.0, 28.0, 20.0]))
+    solids = CoincidingSolids.of([np.maximum(here, rod(2.0, x, top)) for x in (3.5, 8.5)], (0.5, 0.5))
+    assert solids.agreement.shape == here.shape
+    assert least[0] <= solids.agreement.min() <= least[1]
+    assert solids.coincide == (least == (1.0, 1.0))
+
+
 def test_the_mixture_is_the_mean_where_solids_agree_and_the_other_density_elsewhere():
     """Balls far away from rods, one of which has moved."""
     here = filled(4.5, np.array([20.0, 32.0, 12.0]))
