@@ -185,6 +185,14 @@ def test_frames_that_were_moved_in_time_stay_there(morph, stays, way):
     assert stored_morph(morph).first_frame == start + (way if stays == 0 else 0)
 
 
+def test_frames_that_last_twice_as_long_are_shown_from_where_the_first_begins(morph):
+    """Its only keys are where it ends."""
+    start = stored_morph(morph).first_frame
+    for place, obj in enumerate(frame_objects(morph)):
+        move_keys([obj], max(place, 1))
+    assert shown_frames(morph) == range(start, start + 2 * 3 + 1)
+
+
 def test_a_player_and_files_start_where_frames_were_moved(morph):
     move_keys(frame_objects(morph), 20)
     start = 20 + stored_morph(morph).first_frame
