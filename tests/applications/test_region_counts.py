@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.outline_motion import outline_motion
+from convwass_addon.applications.outlines.outline_pairs import vanishing_share
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.region_counts import with_equal_counts
 from convwass_addon.geometry.closed_curves import boundary_of
@@ -58,8 +59,10 @@ def test_a_region_is_divided_in_proportion_to_the_areas_of_the_others():
 def test_small_regions_grow_from_points_in_their_places():
     disc = shape(ellipse())
     dotted = shape(ellipse(), ellipse((0, 1.5), (0.1, 0.1)), ellipse((0, -1.5), (0.1, 0.1)))
-    grown, _ = with_equal_counts([disc, dotted], [(0, 1)], 0.1)
+    grown, same = with_equal_counts([disc, dotted], [(0, 1)], 0.1)
     assert areas(grown) == pytest.approx(areas(disc))
+    assert vanishing_share(grown, same) == pytest.approx(0.02 / 1.02, rel=0.01)
+    assert vanishing_share(same, grown) == vanishing_share(grown, same)
     points = [grown.curves[region.outer].points for region in grown.regions if region.is_point]
     assert sorted(own.mean(axis=0)[1] for own in points) == pytest.approx([-1.5, 1.5], abs=1e-6)
     assert max(np.ptp(own, axis=0).max() for own in points) < 0.02
