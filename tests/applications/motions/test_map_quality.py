@@ -63,3 +63,11 @@ def test_confidence_is_averaged_over_the_area():
 def test_the_worse_of_two_records_is_so_in_every_figure():
     one, other = MapQuality(0.9, 0.1, 0.2, 1.5), MapQuality(0.8, 0.3, 0.1, 1.2)
     assert one.or_worse(other) == other.or_worse(one) == MapQuality(0.8, 0.3, 0.2, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("figures", "beyond"),
+    [((0.97, 0.02, 0.01), True), ((0.96, 0.0, 0.0), False), ((1.0, 0.03, 0.0), False), ((1.0, 0.0, 0.02), False)],
+)
+def test_maps_are_beyond_doubt_if_they_are_confident_and_hardly_torn_or_folded(figures, beyond):
+    assert MapQuality(*figures, crumpling=1.0).is_beyond_doubt is beyond
