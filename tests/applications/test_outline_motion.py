@@ -13,13 +13,14 @@ from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.outlines.matched_outlines import matched_outlines
+from convwass_addon.applications.outlines.matched_outlines import MatchedOutlines, matched_outlines
 from convwass_addon.applications.outlines.moved_sheets import MatchedShapes, moved_sheets
 from convwass_addon.applications.outlines.outline_motion import outline_motion
-from convwass_addon.applications.outlines.outline_pairs import matched_shapes
+from convwass_addon.applications.outlines.outline_pairs import KnownMatches, matched_shapes
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.sliding_outlines import least_effort
 from convwass_addon.geometry.coverage import coverage, self_overlap
+from convwass_addon.geometry.curve_maps import even_map
 from convwass_addon.geometry.outlines import ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.ring_nesting import boundary_rings
@@ -218,6 +219,21 @@ def test_regions_of_similar_size_belong_together():
             for shape, place in zip((match.first, match.second), (pair.first, pair.second), strict=True)
         ]
         assert areas[1] == pytest.approx(1.5 * areas[0], rel=0.4)
+
+
+def test_a_region_with_fewer_matches_keeps_its_last_one():
+    """The left one has one match here, and the right one two."""
+    one, other = (
+        OutlinedShape.of(filled_boundary(rings, "even-odd"))
+        for rings in ([ellipse(), ellipse((9, 0))], [rectangle((-1, -1), (1, 1)), rectangle((8, -1), (10, 1))])
+    )
+
+    def matches(first, second):
+        costs = (0.1,) if first.center[0] < 5.0 else (0.2, 0.3)
+        return [MatchedOutlines(even_map(first.curve, second.curve), cost, 0.0, swings=False) for cost in costs]
+
+    found = matched_shapes(one, other, KnownMatches(matches))
+    assert [sorted(pair.cost for pair in own.pairs) for own in found] == [[0.1, 0.2], [0.1, 0.3]]
 
 
 def test_a_round_hole_turns_with_what_is_around_it():
