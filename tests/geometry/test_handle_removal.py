@@ -18,9 +18,10 @@ def _ring(shape: tuple[int, int, int], center: tuple[float, float, float], large
     return np.hypot(np.hypot(x, y) - large, z) < small
 
 
-def test_of_a_thick_and_a_thin_handle_the_thin_one_is_cut() -> None:
-    """Although the density of the thick one is closer to the level."""
-    thick = _ring((64, 40, 24), (20.0, 20.0, 12.0), 12.0, 2.6)
+@pytest.mark.parametrize("radius", [1.5, 2.6])
+def test_of_a_thick_and_a_thin_handle_the_thin_one_is_cut(radius: float) -> None:
+    """Although the density of the thick one is closer to the level, and also where that one could be cut as well."""
+    thick = _ring((64, 40, 24), (20.0, 20.0, 12.0), 12.0, radius)
     thin = _ring((64, 40, 24), (42.0, 20.0, 12.0), 10.0, 1.1) & ~thick
     density = np.where(thick, 0.65, np.where(thin, 0.95, 0.0))
     changed = density.copy()
