@@ -221,6 +221,19 @@ def test_regions_of_similar_size_belong_together():
         assert areas[1] == pytest.approx(1.5 * areas[0], rel=0.4)
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (1, 2, 0)])
+def test_holes_that_are_near_each_other_belong_together(order):
+    holes, bar = [ellipse((x, y), (0.3, 0.3)) for x, y in ((-2, 0.3), (0, -0.4), (2, 0.2))], rectangle((-3, -1), (3, 1))
+    one, other = (
+        OutlinedShape.of(filled_boundary([bar, *(holes[place] for place in own)], "even-odd"))
+        for own in ((0, 1, 2), order)
+    )
+    (pair, *_) = matched_shapes(one, other)
+    assert len(pair.pairs) == 4
+    for own in pair.pairs:
+        np.testing.assert_allclose(one.center(own.first), other.center(own.second), atol=0.01)
+
+
 def test_a_region_with_fewer_matches_keeps_its_last_one():
     """The left one has one match here, and the right one two."""
     one, other = (
