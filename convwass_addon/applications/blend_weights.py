@@ -16,13 +16,17 @@ def normalized_weights(weights: ArrayLike, count: int) -> NDArray[np.float64]:
     Raises
     ------
     InputError
-        The wrong number of weights, or weights that are negative, not finite or all zero.
+        The wrong number of weights, or weights that are negative, not finite, all zero or too large to be added.
     """
     values = one_for_each(weights, count)
     if not np.isfinite(values).all() or (values < 0).any():
         raise InputError("Weights must be zero or positive numbers.")
     require_positive(values)
-    return values / values.sum()
+    with np.errstate(over="ignore"):
+        total = values.sum()
+    if not np.isfinite(total):
+        raise InputError("The weights are too large to be added; divide all of them by the same number.")
+    return values / total
 
 
 def one_for_each(weights: ArrayLike, count: int) -> NDArray[np.float64]:

@@ -100,16 +100,20 @@ def check_weights(weights: Sequence[float] | NDArray[np.float64], count: int) ->
     Raises
     ------
     ValueError
-        The wrong number of weights, or weights that are negative, not finite, or all zero.
+        The wrong number of weights, or weights that are negative, not finite, all zero, or too large to be added.
     """
     alphas = np.array(weights, dtype=np.float64)
     if alphas.shape != (count,):
         raise ValueError(f"weights must be {count} numbers, one per distribution, got shape {alphas.shape}")
     if not np.isfinite(alphas).all() or (alphas < 0).any():
         raise ValueError(f"weights must be zero or positive numbers, got {alphas.tolist()}")
-    if alphas.sum() <= 0:
+    with np.errstate(over="ignore"):
+        total = alphas.sum()
+    if total <= 0:
         raise ValueError("weights must not all be zero")
-    return alphas / alphas.sum()
+    if not np.isfinite(total):
+        raise ValueError(f"weights must have a finite sum, got {alphas.tolist()}")
+    return alphas / total
 
 
 def check_solver(tolerance: float, max_iterations: int, name: str = "max_iterations") -> None:

@@ -24,6 +24,7 @@ def test_weights_are_scaled_to_sum_one():
         ([1.0, np.nan], "zero or positive numbers"),
         ([np.inf, 1.0], "zero or positive numbers"),
         ([0.0, 0.0], "All weights are zero"),
+        ([1e308, 1e308], "too large to be added"),
     ],
 )
 def test_invalid_weights_are_refused(weights, message):

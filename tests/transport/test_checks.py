@@ -130,6 +130,7 @@ def test_weights_are_normalized_to_sum_one(weights):
         ([1.0, np.nan], r"weights must be zero or positive numbers, got \[1.0, nan\]"),
         ([np.inf, 1.0], r"weights must be zero or positive numbers, got \[inf, 1.0\]"),
         ([0.0, 0.0], "weights must not all be zero"),
+        ([1e308, 1e308], r"weights must have a finite sum, got \[1e\+308, 1e\+308\]"),
     ],
 )
 def test_invalid_weights_are_refused(weights, wrong):
