@@ -16,7 +16,7 @@ from .scene_colors import set_colors
 # Names of the values of attributes, and their types; by default "value" and float32.
 _PROPERTIES = {"FLOAT_VECTOR": "vector", "FLOAT2": "vector"}
 _COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
-_TYPES = {"BOOLEAN": bool, "INT": np.int32, "INT8": np.int32}
+_TYPES = {"BOOLEAN": bool, "INT": np.int32, "INT8": np.int8}
 
 
 def element_values(

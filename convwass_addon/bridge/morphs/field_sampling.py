@@ -193,7 +193,7 @@ def store_fields(
     data = bpy.data.meshes.new(f"{name} Fields")
     data.vertices.add(int(np.prod(grid.shape)))
     for number, steps in enumerate(sampled.steps):
-        write_attribute(data, FIELD.format(number), "INT8", steps.astype(np.int32))
+        write_attribute(data, FIELD.format(number), "INT8", steps)
     colors = Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames]))
     table = _table(name, places, [*sampled.columns, colors, *columns])
     samples = bpy.data.objects.new(data.name, data)
