@@ -92,6 +92,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.flat.picture_job import PictureJob
         from ..bridge.morphs.disk_output import own_folder
         from ..bridge.morphs.job import MorphJob
+        from ..bridge.morphs.mixed_job import MixedMorphJob, will_mix
 
         self._computing = self._preferred()
         self._replaced = self._named()
@@ -120,7 +121,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return flat_job(chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
         options = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
-        return MorphJob(chosen.objects, blends, settings, options, first_frame)
+        job = MixedMorphJob if will_mix(self.replaced(), request) else MorphJob
+        return job(chosen.objects, blends, settings, options, first_frame)
 
     def _chosen(self, context: bpy.types.Context) -> ChosenInputs:
         """Return the shapes to morph; raises InputError as `chosen_inputs`."""

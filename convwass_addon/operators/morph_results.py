@@ -14,6 +14,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
+from ..bridge.morphs.blend_pad import build_blend_pad
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
 from ..bridge.morphs.hidden_inputs import (
     instances_without,
@@ -21,11 +22,13 @@ from ..bridge.morphs.hidden_inputs import (
     shown_when_opened,
     still_in_renders,
 )
+from ..bridge.morphs.player import build_player
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..bridge.operator_errors import reason
+from ..errors import InputError
 from ..sentence import Sentence, first_names
 from ..translations import translated
 from .morph_manage import select_only
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
     from ..applications.morphs.frame_cache import FrameCache
     from ..bridge.flat.flat_job import FlatJob
     from ..bridge.flat.picture_job import PictureJob
+    from ..bridge.morphs.field_sampling import SampledFields
     from ..bridge.morphs.job import MorphJob
     from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
     from ..bridge.one_mesh.swap_job import SwapJob
@@ -48,6 +52,11 @@ _OUTPUT_OPERATORS = {
     ("PLAYER", "TRIANGLE"): "make_blend_pad",
     ("VOLUME", ""): "make_volume",
     ("CACHE", ""): "make_cache",
+}
+# Functions that create the same of frames that are already sampled.
+_MIXING = {
+    "make_player": lambda morph, sampled: build_player(morph, playback="ONCE", easing="LINEAR", sampled=sampled),
+    "make_blend_pad": lambda morph, sampled: build_blend_pad(morph, sampled=sampled),
 }
 
 
@@ -96,14 +105,15 @@ class FrameResults:
     def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Put the frames into the scene, convert them to the requested output, and report."""
         collection = self.job.finish(self.operator.hide_inputs)
+        sampled = self._sampled()
         _fit_range(self.operator, self.job, scene)
         replaced = self.operator.replaced()
         if replaced is not None:
-            edited = replace_bake(replaced, collection)
+            edited = replace_bake(replaced, collection, sampled)
             collection = replaced
             _report_kept(self.operator, edited)
         select_only(context, frame_objects(collection)[:1])
-        self._hand_over(scene, collection)
+        self._hand_over(scene, collection, sampled)
         shown = main_object(collection)
         select_only(context, [] if shown is None else [shown])
         _report_hiding(self.operator, collection)
@@ -145,7 +155,13 @@ class FrameResults:
             return ""
         return rpt_(", frames {:d} to {:d}").format(*map(round, self.job.span))
 
-    def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
+    def _sampled(self) -> SampledFields | None:
+        """Return the fields of the frames if the bake has sampled them."""
+        from ..bridge.morphs.mixed_job import MixedMorphJob
+
+        return self.job.sampled if isinstance(self.job, MixedMorphJob) else None
+
+    def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection, sampled: SampledFields | None) -> None:
         """Convert the morph to the requested output, or to that of the replaced morph.
 
         If that fails, its meshes are kept, and so are objects that show the files of the replaced morph.
@@ -162,7 +178,12 @@ class FrameResults:
             options["kind"] = files.cache_format
         try:
             with _showing(scene, morph):
-                getattr(bpy.ops.convwass, name)(**options)
+                if files.output == "PLAYER" and sampled is not None:
+                    _MIXING[name](morph, sampled)
+                else:
+                    getattr(bpy.ops.convwass, name)(**options)
+        except InputError as error:
+            self.operator.report({"WARNING"}, translated(error.sentence))
         except RuntimeError as error:
             self.operator.report({"WARNING"}, " ".join([str(reason(error)), *_outdated(morph)]))
 

@@ -148,6 +148,11 @@ class MorphBake:
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
 
     @property
+    def collection(self) -> bpy.types.Collection:
+        """The morph; raises ConvwassError if it was removed."""
+        return self._living(self._collection)
+
+    @property
     def inputs(self) -> list[FrozenInput]:
         """What is kept of the inputs."""
         return list(self._inputs)

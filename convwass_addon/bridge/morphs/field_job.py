@@ -51,10 +51,15 @@ class FieldJob:
 
     def morph(self) -> bpy.types.Collection:
         """Return the morph; raises InputError if it, or one of its frames, was deleted in the meantime."""
-        found = self._morph.find()
-        if found is None or _uids(frame_objects(found)) != self._frames:
+        if not self.is_current:
             raise InputError("The morph was deleted or changed during the computation; start again.")
-        return found
+        return self._morph.find()
+
+    @property
+    def is_current(self) -> bool:
+        """Whether the morph still has the same frames."""
+        found = self._morph.find()
+        return found is not None and _uids(frame_objects(found)) == self._frames
 
 
 def _uids(frames: list[bpy.types.Object]) -> list[int]:

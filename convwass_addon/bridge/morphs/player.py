@@ -155,8 +155,15 @@ def require_playable(collection: bpy.types.Collection, between: str) -> None:
         )
 
 
-def refresh_player(collection: bpy.types.Collection) -> None:
+def refresh_player(collection: bpy.types.Collection, sampled: SampledFields | None = None) -> None:
     """Make the player of a morph, if there is one, show its current frame objects; its keys are kept.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        The morph.
+    sampled : SampledFields, optional
+        Fields of its frames; without them, they are sampled if the player mixes blends.
 
     Raises
     ------
@@ -169,7 +176,8 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         tree = frames_modifier(player).node_group
         fields = None
         if interpolation(player) is not None:
-            fields = _stored(collection, frames, _sampled(collection))
+            sampled = _sampled(collection) if sampled is None else sampled
+            fields = _stored(collection, frames, sampled)
         tree.nodes.clear()
         _fill(tree, collection, frames, fields)
         adopt(collection, made_for(tree))

@@ -50,6 +50,11 @@ def interpolation(player: bpy.types.Object) -> NodeInput | None:
         return None
 
 
+def can_mix(obj: bpy.types.Object) -> bool:
+    """Return whether an object that shows a morph can mix its blends."""
+    return frames_modifier(obj) is not None and interpolation(obj) is not None
+
+
 def detail(player: bpy.types.Object) -> NodeInput | None:
     """Return the input that projects mixtures onto the baked meshes; None if there are only baked blends."""
     return None if interpolation(player) is None else node_input(frames_modifier(player), DETAIL)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
@@ -14,22 +15,32 @@ from mathutils import Matrix, Vector
 
 from ..keyframes import curves_of, own_action
 from ..unused_data import remove_if_unused
-from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
+from .blend_pad import PLACE_KEY, build_blend_pad, make_blend_pad, require_all_blends
 from .pad_inputs import HANDLE, PAD, handle_velocities, pad_input, pad_part
 from .pad_velocity import key_handle_velocity
-from .player_inputs import interpolation
+from .player_inputs import can_mix
 from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, marked_by, remove_unused, stand_ins
 from .stored import WEIGHTS_KEY
+
+if TYPE_CHECKING:
+    from .field_sampling import SampledFields
 
 # Relative difference of widths that rounding makes.
 _SAME_WIDTH = 1e-6
 
 
-def rebuild_pad(collection: bpy.types.Collection) -> None:
+def rebuild_pad(collection: bpy.types.Collection, sampled: SampledFields | None = None) -> None:
     """Let the pad of a morph show its current frames.
 
     Its objects remain, with all that was added to them. The handle stays at its blend, and what was moved keeps its
     distance from where it is made. Deleted objects are made again.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        The morph.
+    sampled : SampledFields, optional
+        Fields of its frames; without them, they are sampled if the pad mixes blends.
 
     Raises
     ------
@@ -40,12 +51,15 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     bpy.context.view_layer.update()
     before, parents = stand_ins(collection), marked_by(collection, bpy.data.collections)
     known = {block.session_uid for block in adopted(collection)}
-    mixed = any(frames_modifier(obj) and interpolation(obj) for obj in before)
+    mixed = any(can_mix(obj) for obj in before)
     # A morph cannot have two pads.
     for obj in before:
         del obj[SHOWS_KEY]
     try:
-        make_blend_pad(collection, between="INTERPOLATED" if mixed else "NEAREST")
+        if mixed and sampled is not None:
+            build_blend_pad(collection, sampled=sampled)
+        else:
+            make_blend_pad(collection, between="INTERPOLATED" if mixed else "NEAREST")
     finally:
         adopt(collection, before)
     _take_over(_parts(before), _parts(obj for obj in stand_ins(collection) if obj not in before))

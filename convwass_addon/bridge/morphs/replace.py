@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import chain
+from typing import TYPE_CHECKING
 
 import bpy
 
@@ -25,8 +26,13 @@ from .stand_ins import frames_modifier, remove_stand_ins, stand_ins
 from .stored import DIAGNOSTICS_KEY, INDEX_KEY, MORPH_KEY, frame_objects, hidden_frames, release_duplicates
 from .written_files import WRITTEN_KEY
 
+if TYPE_CHECKING:
+    from .field_sampling import SampledFields
 
-def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[bpy.types.Material]:
+
+def replace_bake(
+    old: bpy.types.Collection, new: bpy.types.Collection, sampled: SampledFields | None = None
+) -> list[bpy.types.Material]:
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
     A player or blend pad keeps its keys, materials and modifiers. If it was deleted, the frames are shown again.
@@ -41,6 +47,8 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
         Keeps its name and place.
     new : bpy.types.Collection
         A newly baked morph.
+    sampled : SampledFields, optional
+        Fields of its frames; without them, they are sampled if a player or a pad mixes the blends.
 
     Returns
     -------
@@ -61,9 +69,9 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
     take_hidden(old, new)
     bpy.data.collections.remove(new)
     if any(is_player(obj) for obj in slots):
-        refresh_player(old)
+        refresh_player(old, sampled)
     elif slots:
-        rebuild_pad(old)
+        rebuild_pad(old, sampled)
     elif hidden_frames(old) is not None:
         # The player or pad was deleted.
         remove_stand_ins(old)
