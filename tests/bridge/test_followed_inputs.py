@@ -13,6 +13,7 @@ from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.field_sampling import read_blends
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
@@ -178,3 +179,12 @@ def test_inputs_that_cannot_be_followed_are_refused(bare_scene, movers, make_obj
         job(movers)
     assert {kind for kind, _ in inventory() - before} <= {"OBJECT", "MESH", "ACTION"}
     assert not [name for kind, name in inventory() if kind == "COLLECTION"]
+
+
+def test_players_mix_animated_ends_as_they_are_at_their_times(bare_scene, movers):
+    morph = finished(job(movers))
+    bare_scene.frame_set(FIRST + 20)
+    meshes = read_blends(morph, frame_objects(morph)).meshes
+    assert bare_scene.frame_current == FIRST + 20
+    for mesh, frame in ((meshes[0], FIRST), (meshes[-1], FIRST + 3)):
+        np.testing.assert_allclose(mesh.bounds, seen(bare_scene, frame), atol=1e-5)

@@ -27,13 +27,15 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
 from ...progress import UNINTERRUPTED, Control, Progress, Work, drained
 from ...sentence import Sentence
+from ..animation_time import returning, show_time
 from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..sequence import write_table
 from .field_sampler import SampleGrid, field_sampler
+from .followed_inputs import stays_animated
 from .stand_ins import adopt, hide_fields
-from .stored import frame_weights, stored_morph
+from .stored import frame_times, frame_weights, stored_morph
 from .stored_fields import (
     BAND,
     COLOR,
@@ -95,7 +97,7 @@ class SampledFields:
 
 
 def read_blends(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> BlendMeshes:
-    """Read the blends of a morph for :func:`sample_fields`.
+    """Read the blends of a morph for :func:`sample_fields`, with ends that stay animated as they are at their times.
 
     Parameters
     ----------
@@ -114,8 +116,14 @@ def read_blends(collection: bpy.types.Collection, frames: Sequence[bpy.types.Obj
             "Interpolation requires OpenVDB for Python, which this Blender lacks; use another Blender, or set In "
             "Between to Nearest Blend."
         )
-    found = triangle_meshes(frames, bpy.context.evaluated_depsgraph_get())
-    meshes = [_local_mesh(obj, mesh) for obj, mesh in zip(frames, found, strict=True)]
+    meshes = _local_meshes(frames)
+    ends = [number for number, obj in enumerate(frames) if stays_animated(obj)]
+    if ends:
+        times = frame_times(collection)
+        with returning(bpy.context.scene):
+            for number in ends:
+                show_time(bpy.context.scene, times[number])
+                meshes[number : number + 1] = _local_meshes([frames[number]])
     return BlendMeshes(meshes, frame_weights(frames), field_cells(stored_morph(collection).settings))
 
 
@@ -279,9 +287,13 @@ def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int], control: Con
     return surface.mesh.moved((-0.5, -0.5, -0.5))
 
 
-def _local_mesh(obj: bpy.types.Object, world: TriangleMesh) -> TriangleMesh:
-    """Return the mesh of a frame object, given in world space, in its local space."""
-    return TriangleMesh(transformed_points(world.vertices, obj.matrix_world.inverted()), world.faces)
+def _local_meshes(frames: Sequence[bpy.types.Object]) -> list[TriangleMesh]:
+    """Read frame objects as they are now, in their local spaces."""
+    found = triangle_meshes(frames, bpy.context.evaluated_depsgraph_get())
+    return [
+        TriangleMesh(transformed_points(mesh.vertices, obj.matrix_world.inverted()), mesh.faces)
+        for obj, mesh in zip(frames, found, strict=True)
+    ]
 
 
 def _centers(meshes: Sequence[TriangleMesh], weights: NDArray[np.float64]) -> NDArray[np.float64]:

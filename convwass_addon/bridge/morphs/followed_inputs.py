@@ -152,6 +152,11 @@ def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | Non
     obj.modifiers.new(MODIFIER, "NODES").node_group = tree
 
 
+def stays_animated(obj: bpy.types.Object) -> bool:
+    """Return whether an end of a morph shows its input in every frame; see `keep_animated`."""
+    return MODIFIER in obj.modifiers
+
+
 @contextmanager
 def _naming_frame(source: ShapeSource, frame: int) -> Iterator[None]:
     """Add the frame to the error of an input."""
