@@ -91,6 +91,19 @@ def test_images_of_another_object_are_not_overwritten(obj, tmp_path):
     assert bake_images(tmp_path) == {"FINISHED"}
 
 
+def test_a_copy_of_the_object_keeps_the_images_of_the_first_one(obj, tmp_path):
+    assert bake_images(tmp_path) == {"FINISHED"}
+    before = {path: path.stat().st_ino for path in tmp_path.glob("*.png")}
+    bpy.ops.object.duplicate()
+    assert bake_images(tmp_path) == {"FINISHED"}
+    assert {path: path.stat().st_ino for path in before} == before
+    assert len(list(tmp_path.glob("Density_001/*.png"))) == len(before) == 5
+    bpy.context.view_layer.objects.active = obj
+    assert bake_images(tmp_path) == {"FINISHED"}
+    assert all(path.stat().st_ino != inode for path, inode in before.items())
+    assert len(list(tmp_path.iterdir())) == 6
+
+
 def test_the_message_names_the_folder_of_images_that_would_have_replaced_unknown_files(obj, tmp_path, capfd):
     (tmp_path / "Density.0000.png").write_text("mine")
     assert bake_images(tmp_path) == {"FINISHED"}

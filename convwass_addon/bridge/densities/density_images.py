@@ -117,16 +117,19 @@ def remember_images(obj: bpy.types.Object, name: str, made: Sequence[Path]) -> l
     list of Path
         Images of earlier bakes, which stay its own.
     """
-    places = set(map(_place, made))
-    left = [path for path in _own_images(obj, name) if _place(path) not in places and path.is_file()]
+    places = {*map(_place, made), *_images_of_others(obj, name)}
+    left = [path for path in _known_images(obj, name) if _place(path) not in places and path.is_file()]
     known = stored_or_new(obj, name)
     own = {IMAGES: [for_blender(path) for path in (*made, *left)], _BLEND: [bpy.path.basename(bpy.data.filepath)]}
     store_density(obj, name, replace(known, outputs={**known.outputs, **own}))
     return left
 
 
-def _own_images(obj: bpy.types.Object, name: str) -> list[Path]:
-    """Return the images of a density; empty if the .blend file has another name now, as after *Save As*."""
+def _known_images(obj: bpy.types.Object, name: str) -> list[Path]:
+    """Return the images of a density, which copies of its object have, too.
+
+    Empty if the .blend file has another name now, as after *Save As*.
+    """
     outputs = stored_or_new(obj, name).outputs
     before = "".join(outputs.get(_BLEND, ()))
     if before and before != bpy.path.basename(bpy.data.filepath):
@@ -134,16 +137,22 @@ def _own_images(obj: bpy.types.Object, name: str) -> list[Path]:
     return [Path(bpy.path.abspath(path)) for path in outputs.get(IMAGES, ())]
 
 
+def _images_of_others(obj: bpy.types.Object, name: str) -> dict[str, bpy.types.Object]:
+    """Return the objects that other images of the file belong to, by the places of these."""
+    return {_place(path): other for other, path in outputs_of_others(obj, name, IMAGES)}
+
+
 def _own_paths(obj: bpy.types.Object, name: str, folder: Path, suffix: str, steps: int) -> list[Path]:
     """Return where to write images: in a folder, or in the first one in it where they replace no other files."""
     stem = file_stem(name)
-    own = set(map(_place, _own_images(obj, name)))
-    others = {_place(path): other for other, path in outputs_of_others(obj, name, IMAGES)}
+    known, others = set(map(_place, _known_images(obj, name))), _images_of_others(obj, name)
+    own = known.difference(others)
     for tried in chain([folder], (folder / f"{stem}_{number:03d}" for number in count(1))):
         paths = numbered_paths(tried, f"{stem}.", suffix, range(steps))
         foreign = [path for path in paths if _place(path) not in own]
         if tried == folder:
-            _require_no_others(foreign, others)
+            # Images that a copy of the object has, too, are kept in the folder instead.
+            _require_no_others([path for path in foreign if _place(path) not in known], others)
         if not any(path.exists() or _place(path) in others for path in foreign):
             break
     made_folder(paths[0].parent)
