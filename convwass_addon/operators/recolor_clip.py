@@ -17,7 +17,7 @@ from ..bridge.files import checked_folder
 from ..bridge.handles import Handle
 from ..bridge.image_files import image_path
 from ..bridge.palettes.image_files import save_pixels
-from ..bridge.palettes.image_kinds import RESULT_OF, is_clip
+from ..bridge.palettes.image_kinds import is_clip, source_of
 from ..drafts import DraftFiles
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
@@ -150,11 +150,11 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
 def _require_own(image: bpy.types.Image, targets: Sequence[Path]) -> None:
     """Raise InputError if files are the recolored frames of another clip in the .blend file."""
     for other in bpy.data.images:
-        source = other.get(RESULT_OF, image.name)
-        if source == image.name or source not in bpy.data.images or not is_clip(other):
+        source = source_of(other)
+        if source in (None, image) or not is_clip(other):
             continue
         if share_a_place(targets, [image_path(other)]):
-            raise InputError("The results would overwrite those of {image}; choose another folder.", image=source)
+            raise InputError("The results would overwrite those of {image}; choose another folder.", image=source.name)
 
 
 def _show(context: bpy.types.Context, source: bpy.types.Image, result: bpy.types.Image, paths: Sequence[Path]) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import StringProperty
 
-from ..bridge.palettes.image_kinds import RESULT_OF
+from ..bridge.palettes.image_kinds import source_of
 from ..errors import InputError
 from .background import is_idle
 
@@ -31,7 +31,7 @@ def shown_image(context: bpy.types.Context) -> bpy.types.Image | None:
     """Return the image in the current Image Editor; for a result, the image that it was made from."""
     space = context.space_data
     image = space.image if space is not None and space.type == "IMAGE_EDITOR" else None
-    return None if image is None else bpy.data.images.get(image.get(RESULT_OF, ""), image)
+    return None if image is None else source_of(image) or image
 
 
 def chosen_image(context: bpy.types.Context, name: str) -> bpy.types.Image:

@@ -17,10 +17,11 @@ from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
+from convwass_addon.bridge.palettes.image_kinds import RESULT_OF
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, RecolorJob
 from convwass_addon.operators.recolor_table import CubeFile, TableJob
-from convwass_addon.operators.recolor_targets import read_pictures
+from convwass_addon.operators.recolor_targets import read_pictures, shown_image
 from tests.controls import ConditionalControl
 from tests.linked_objects import linked_object
 from tests.operators.running import Pressed, call, inventory, started, until, window_context
@@ -62,6 +63,34 @@ def test_renamed_copies_of_results_are_kept(own):
     np.testing.assert_array_equal(pixel_values(image), before)
     np.testing.assert_array_equal(pixel_values(bpy.data.images["Red recolored"]), pixel_values(bpy.data.images["Red"]))
     assert group.nodes[0].label == "Changed"
+
+
+def test_results_belong_to_images_whatever_their_names(own):
+    red = red_image()
+    call("recolor_image", image="Red")
+    result = bpy.data.images["Red recolored"]
+    before = pixel_values(result)
+    red.name = "Old red"
+    call("recolor_image", image=red_image().name, strength=0.0)
+    np.testing.assert_array_equal(pixel_values(result), before)
+    assert shown_image(editor(result)) == red
+    call("recolor_image", image="Old red", strength=0.0)
+    np.testing.assert_array_equal(pixel_values(result), pixel_values(red))
+
+
+def test_results_of_earlier_versions_are_known_by_the_names_of_their_images(own):
+    red = red_image()
+    call("recolor_image", image="Red")
+    result = bpy.data.images["Red recolored"]
+    result[RESULT_OF] = "Red"
+    assert shown_image(editor(result)) == red
+    call("recolor_image", image="Red", strength=0.0)
+    np.testing.assert_array_equal(pixel_values(result), pixel_values(red))
+
+
+def editor(image):
+    """Return the context of an Image Editor."""
+    return SimpleNamespace(space_data=SimpleNamespace(type="IMAGE_EDITOR", image=image))
 
 
 def test_an_image_is_replaced(own):

@@ -155,6 +155,10 @@ def test_results_of_another_clip_are_not_overwritten(clip, files, tmp_path):
     other.name, other.source = "Second", "SEQUENCE"
     with pytest.raises(RuntimeError, match="The results would overwrite those of Shot; choose another folder"):
         call("recolor_clip", image="Second", folder=graded)
+    clip.name = "Renamed"
+    with pytest.raises(RuntimeError, match="The results would overwrite those of Renamed; choose another folder"):
+        call("recolor_clip", image="Second", folder=graded)
+    clip.name = "Shot"
     assert {path: path.read_bytes() for path in (tmp_path / "graded").iterdir()} == before
     assert call("recolor_clip", image="Second", folder=str(tmp_path / "more")) == {"FINISHED"}
     assert call("recolor_clip", image="Shot", folder=graded) == {"FINISHED"}

@@ -17,7 +17,7 @@ from ..last_result import last_result
 from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths, split_number, with_number
 from .image_files import FORMATS
-from .image_kinds import RESULT_OF, is_clip
+from .image_kinds import RESULT_OF, is_clip, source_of
 from .image_pixels import read_picture
 
 
@@ -120,11 +120,11 @@ class ClipFrames:
 def sequence_image(source: bpy.types.Image, paths: Sequence[Path]) -> bpy.types.Image:
     """Return an image that shows files as a sequence: the previous result for the same clip, or a new one."""
     name = f"{source.name} recolored"
-    image = last_result((own for own in bpy.data.images if own.get(RESULT_OF) == source.name and is_clip(own)), name)
+    image = last_result((own for own in bpy.data.images if source_of(own) == source and is_clip(own)), name)
     if image is None:
         image = bpy.data.images.load(str(paths[0]))
         image.name = name
-        image[RESULT_OF] = source.name
+        image[RESULT_OF] = source
     image.source, image.filepath = "SEQUENCE", for_blender(paths[0])
     # Discard cached frames of files with the same names.
     image.reload()

@@ -15,4 +15,11 @@ def is_clip(image: bpy.types.Image | None) -> bool:
 
 
 RESULT_OF = "convwass_recolored"
-"""Custom property of a result: the name of the source image."""
+"""Custom property of a result: the source image."""
+
+
+def source_of(result: bpy.types.Image) -> bpy.types.Image | None:
+    """Return the image that another one was made from; None if that is no result, or if the source was deleted."""
+    source = result.get(RESULT_OF)
+    # Earlier versions stored the name.
+    return bpy.data.images.get((source, None)) if isinstance(source, str) else source

@@ -16,7 +16,7 @@ from ..color_spaces import DATA, LINEAR, SRGB
 from ..image_files import pixel_values, refuse_damaged
 from ..last_result import last_result
 from ..scene_colors import scene_to_rec709
-from .image_kinds import RESULT_OF
+from .image_kinds import RESULT_OF, source_of
 
 
 def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None, name: str = "") -> Picture:
@@ -114,9 +114,9 @@ def _mask(mask: bpy.types.Image, image: bpy.types.Image, name: str) -> NDArray[n
 def result_image(source: bpy.types.Image) -> bpy.types.Image:
     """Return an image for a result: the previous result of the same size and format, or a new image."""
     width, height = source.size
-    name, wanted = f"{source.name} recolored", (source.name, (width, height), source.is_float)
+    name, wanted = f"{source.name} recolored", (source, (width, height), source.is_float)
     stills = (image for image in bpy.data.images if image.source != "SEQUENCE")
-    alike = (image for image in stills if (image.get(RESULT_OF), tuple(image.size), image.is_float) == wanted)
+    alike = (image for image in stills if (source_of(image), tuple(image.size), image.is_float) == wanted)
     image = last_result(alike, name)
     if image is not None:
         return image
@@ -126,7 +126,7 @@ def result_image(source: bpy.types.Image) -> bpy.types.Image:
     # Bytes are read with straight alpha, whatever the file format.
     premultiplied = source.alpha_mode == "PREMUL" and not source.is_float
     image.alpha_mode = "STRAIGHT" if premultiplied else source.alpha_mode
-    image[RESULT_OF] = source.name
+    image[RESULT_OF] = source
     return image
 
 
