@@ -69,6 +69,9 @@ class BackgroundOperator:
 
     _job: Job
     _background: BackgroundJob[None] | InlineJob[None]
+    _is_started = False
+    """Whether the work has started, which follows a dialog or a file browser if the operator has one."""
+
     _running: _Running
     _in_background: bool
     _began: float
@@ -113,6 +116,7 @@ class BackgroundOperator:
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)
         _RUNNING.add(self._running)
+        self._is_started = True
         context.window_manager.convwass_progress.stopping = False
         self._began, self._ending = time.monotonic(), False
         self._show(context, 0.0, Sentence("Starting"))
@@ -151,6 +155,8 @@ class BackgroundOperator:
         return answer
 
     def cancel(self, context):
+        if not self._is_started:
+            return
         self._background.cancel()
         self._stop(context)
         self._job.discard()

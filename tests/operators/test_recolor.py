@@ -19,6 +19,7 @@ from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
 from convwass_addon.bridge.palettes.image_kinds import RESULT_OF
 from convwass_addon.errors import Cancelled
+from convwass_addon.operators.recolor_grade import CONVWASS_OT_write_cube
 from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, RecolorJob
 from convwass_addon.operators.recolor_table import CubeFile, TableJob
 from convwass_addon.operators.recolor_targets import read_pictures, shown_image
@@ -177,6 +178,12 @@ def test_a_table_does_the_same(own, tmp_path):
         call("write_cube", image="Red", filepath="//grade.cube")
     with pytest.raises(RuntimeError, match="does not exist"):
         call("write_cube", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
+
+
+def test_nothing_happens_if_the_file_browser_is_closed():
+    pressed = Pressed(CONVWASS_OT_write_cube)
+    pressed.cancel(window_context())
+    assert not pressed.reports
 
 
 def test_a_table_that_is_stopped_while_it_is_written_leaves_the_old_file(own, tmp_path):
