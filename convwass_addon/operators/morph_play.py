@@ -19,9 +19,8 @@ from ..bridge.morphs.player_inputs import is_player, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, interpolates
-from ..bridge.mouse_progress import progress_at_mouse
 from ..bridge.openvdb_module import openvdb_module
-from ..progress import Result, Work, drained, watched
+from ..progress import Control, Progress, Work
 from ..properties.from_schema import property_of, values_of, with_properties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -33,12 +32,6 @@ if TYPE_CHECKING:
 
 # Settings of a timing that only some styles have.
 _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
-
-
-def _with_cursor(work: Work[Result]) -> Result:
-    """Do all of some work, and show at the mouse how far it is."""
-    with progress_at_mouse() as show:
-        return drained(watched(work, lambda report: show(report.fraction)))
 
 
 def _fitting_between(operator: bpy.types.Operator, morph: bpy.types.Collection) -> str:
@@ -233,12 +226,44 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
+class DensePlayerJob:
+    """Makes a mesh of every frame that a player shows; see :class:`.dense_bake.DenseBake`.
+
+    Parameters
+    ----------
+    player : bpy.types.Object
+        The player.
+    rate : float
+        Frames per second of the new morph.
+    """
+
+    def __init__(self, player: bpy.types.Object, rate: float) -> None:
+        from ..bridge.morphs.dense_bake import DenseBake, sample_times
+
+        render = bpy.context.scene.render
+        first, last = keyed_span(player)
+        self.bake = DenseBake(player, sample_times(first, last, render.fps / render.fps_base, rate), first)
+
+    def steps(self, control: Control) -> Work[None]:
+        """Make the frames."""
+        return self.bake.steps(control)
+
+    def write(self, report: Progress[None]) -> None:
+        """Do nothing; frames are put into the scene at the end."""
+
+    def discard(self) -> None:
+        """Remove the frames made so far."""
+        self.bake.discard()
+
+
+class CONVWASS_OT_bake_player(BackgroundOperator, _OnPlayer, bpy.types.Operator):
     """Make a mesh of every frame that the player shows, at any frame rate; Make Volume and Make Cache write them"""
 
     bl_idname = "convwass.bake_player"
     bl_label = "Bake Frames"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Baking frames")
+    _in_turn = True
 
     rate: bpy.props.FloatProperty(
         name="Frame Rate",
@@ -248,21 +273,33 @@ class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
         soft_max=120.0,
     )
 
+    _chosen_in_dialog = False
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and is_idle(cls, context)
+
     def invoke(self, context, event):
         render = context.scene.render
         self.rate = render.fps / render.fps_base
+        self._chosen_in_dialog = True
         return context.window_manager.invoke_props_dialog(self)
 
-    @reporting_errors
     def execute(self, context):
-        from ..bridge.morphs.dense_bake import bake_player, sample_times
+        if not self._chosen_in_dialog:
+            return super().execute(context)
+        # The dialog calls execute, where other operators are invoked. So does Blender when settings are adjusted later,
+        # which must be done when execute returns.
+        self._chosen_in_dialog = False
+        return super().invoke(context, None)
 
-        player, render = context.object, context.scene.render
-        first, last = keyed_span(player)
-        times = sample_times(first, last, render.fps / render.fps_base, self.rate)
-        morph = _with_cursor(bake_player(player, times, first))
+    def _begin(self, context):
+        return DensePlayerJob(context.object, self.rate)
+
+    def _finish(self, context, job):
+        morph = job.bake.finish()
         select_only(context, frame_objects(morph)[:1])
-        self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(times)))
+        self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(frame_objects(morph))))
         return {"FINISHED"}
 
 

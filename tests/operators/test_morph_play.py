@@ -16,8 +16,9 @@ from convwass_addon.bridge.morphs.player_inputs import interpolation, is_player,
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from convwass_addon.operators import morph_play
+from convwass_addon.operators.morph_play import CONVWASS_OT_bake_player
 from tests.operators.morphs import add, census
-from tests.operators.running import ESCAPE, Pressed, started, until, window_context
+from tests.operators.running import ESCAPE, TIMER, Pressed, started, until, window_context, write_one_at_a_time
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -317,6 +318,28 @@ def test_keys_are_not_set_in_tweak_mode(player):
     assert bpy.ops.convwass.bake_player() == {"FINISHED"}
     made = frame_objects(bpy.context.object.users_collection[0])
     assert [obj[WEIGHTS_KEY][1] for obj in made] == pytest.approx([0, 1 / 3, 2 / 3, 1])
+
+
+@pytest.mark.parametrize("ends", ["stopped", "deleted"])
+def test_baking_frames_leaves_nothing_if_it_does_not_end(player, ends, monkeypatch):
+    bpy.context.scene.frame_set(2)
+    context, before, known = window_context(), census(), player.name
+    write_one_at_a_time(monkeypatch)
+    pressed = Pressed(CONVWASS_OT_bake_player, rate=24.0)
+    assert pressed._start(context) == {"RUNNING_MODAL"}
+    assert pressed.modal(context, TIMER) == {"PASS_THROUGH"}
+    assert census() != before
+    if ends == "stopped":
+        assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
+        assert census() == before
+        assert not player.hide_viewport
+    else:
+        bpy.data.objects.remove(player)
+        assert until(pressed, context) == {"CANCELLED"}
+        assert set(before["objects"]) - set(census()["objects"]) == {known}
+        assert not [mesh for mesh in bpy.data.meshes if mesh.name.startswith("Frame ")]
+        assert pressed.reports == [("ERROR", "The player or its frames were deleted or undone meanwhile; start again.")]
+    assert bpy.context.scene.frame_current == 2
 
 
 def test_undo_of_a_pad(sheet):

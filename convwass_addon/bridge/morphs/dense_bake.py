@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 
 import bpy
@@ -13,9 +14,10 @@ from numpy.typing import NDArray
 
 from ...applications.live.weight_layouts import path_weights
 from ...errors import InputError
-from ...progress import Progress, Work
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..animation_time import returning, show_time, times_per_second
+from ..animation_time import show_time, times_per_second
+from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import evaluated_mesh, place_mesh, take_own_materials
@@ -41,9 +43,21 @@ def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.f
 
 
 def bake_player(player: bpy.types.Object, times: Sequence[float], first_frame: int) -> Work[bpy.types.Collection]:
-    """Create a morph with a frame object for every time, shown in consecutive scene frames.
+    """Run a :class:`DenseBake` and return its morph; on an error, nothing is left of it."""
+    bake = DenseBake(player, times, first_frame)
+    try:
+        yield from bake.steps()
+        return bake.finish()
+    except BaseException:
+        bake.discard()
+        raise
 
-    Nothing is solved. Objects that use the player are not changed, so the player is kept, but hidden.
+
+class DenseBake:
+    """Makes a morph with a frame object for every time, shown in consecutive scene frames.
+
+    Nothing is solved. Objects that use the player are not changed, so the player is kept, but hidden. Undo between two
+    steps is detected. All methods must be called on the main thread.
 
     Parameters
     ----------
@@ -54,60 +68,106 @@ def bake_player(player: bpy.types.Object, times: Sequence[float], first_frame: i
     first_frame : int
         Scene frame of the first object.
 
-    Yields
-    ------
-    Progress
-        After each frame.
-
-    Returns
-    -------
-    bpy.types.Collection
-        The new morph, with the settings of the old one and `SAMPLED_FROM`.
-
     Raises
     ------
     InputError
         Fewer than two times.
     """
-    if len(times) < 2:
-        raise InputError("There is only one frame between the first key of {name} and the last.", name=player.name)
-    scene, source = bpy.context.scene, shown_morph(player)
-    collection = bpy.data.collections.new(f"{source.name} Frames")
-    made = []
-    try:
-        with returning(scene):
-            for number, time in enumerate(times):
-                show_time(scene, time)
-                made.append(_frame(player, number))
-                done = {"done": number + 1, "total": len(times)}
-                yield Progress((number + 1) / len(times), Sentence("Frame {done} of {total}", done))
-    except BaseException:
-        meshes = [obj.data for obj in made]
-        bpy.data.batch_remove([*made, *meshes, collection])
-        raise
-    action = bpy.data.actions.new(collection.name)
-    for number, obj in enumerate(made):
-        collection.objects.link(obj)
-        first = None if number == 0 else first_frame + number
-        last = None if number == len(made) - 1 else first_frame + number
-        key_visibility(obj, action, [FrameRange(first, last)])
-    stored = stored_morph(source)
-    settings = {**stored.settings, SAMPLED_FROM: source.name}
-    # The velocities are those of the player, but a frame may last for more or less time.
-    per_second = (stored.per_second or times_per_second(scene)) / float(times[1] - times[0])
-    records = [{} for _ in made]
-    store(
-        collection,
-        replace(stored, settings=settings, first_frame=first_frame, records=records, per_second=per_second),
-    )
-    copy_hidden(source, collection)
-    places = (scene.collection, *bpy.data.collections)
-    parents = [place for place in places if source in set(place.children) and not is_linked(place)]
-    # A linked morph may be in collections that cannot take others.
-    for parent in parents or [scene.collection]:
-        parent.children.link(collection)
-    player.hide_viewport = player.hide_render = True
-    return collection
+
+    def __init__(self, player: bpy.types.Object, times: Sequence[float], first_frame: int) -> None:
+        if len(times) < 2:
+            raise InputError("There is only one frame between the first key of {name} and the last.", name=player.name)
+        self._player, self._source = Handle.of("objects", player), Handle.of("collections", shown_morph(player))
+        self._scene = Handle.of("scenes", bpy.context.scene)
+        self._times, self._first_frame = times, first_frame
+        self._made: list[Handle] = []
+
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Make the frames.
+
+        Yields
+        ------
+        Progress
+            After each frame.
+
+        Raises
+        ------
+        InputError
+            The player or the scene was deleted.
+        """
+        scene = _living(self._scene)
+        before = scene.frame_current, scene.frame_subframe
+        try:
+            for number, time in enumerate(self._times):
+                control.check()
+                with _shown_scene(_living(self._scene)) as scene:
+                    show_time(scene, time)
+                    self._made.append(Handle.of("objects", _frame(_living(self._player), number)))
+                done = {"done": number + 1, "total": len(self._times)}
+                yield Progress((number + 1) / len(self._times), Sentence("Frame {done} of {total}", done))
+        finally:
+            scene = self._scene.find()
+            if scene is not None:
+                scene.frame_set(before[0], subframe=before[1])
+
+    def finish(self) -> bpy.types.Collection:
+        """Put the frames into a new morph, which has the settings of the old one and `SAMPLED_FROM`, and return it.
+
+        Raises
+        ------
+        InputError
+            Player or frames were deleted.
+        """
+        player, source, scene = _living(self._player), _living(self._source), _living(self._scene)
+        made, stored = [_living(handle) for handle in self._made], stored_morph(source)
+        collection = bpy.data.collections.new(f"{source.name} Frames")
+        action = bpy.data.actions.new(collection.name)
+        for number, obj in enumerate(made):
+            collection.objects.link(obj)
+            first = None if number == 0 else self._first_frame + number
+            last = None if number == len(made) - 1 else self._first_frame + number
+            key_visibility(obj, action, [FrameRange(first, last)])
+        settings = {**stored.settings, SAMPLED_FROM: source.name}
+        # The velocities are those of the player, but a frame may last for more or less time.
+        per_second = (stored.per_second or times_per_second(scene)) / float(self._times[1] - self._times[0])
+        described = replace(
+            stored,
+            settings=settings,
+            first_frame=self._first_frame,
+            records=[{} for _ in made],
+            per_second=per_second,
+        )
+        store(collection, described)
+        copy_hidden(source, collection)
+        places = (scene.collection, *bpy.data.collections)
+        parents = [place for place in places if source in set(place.children) and not is_linked(place)]
+        # A linked morph may be in collections that cannot take others.
+        for parent in parents or [scene.collection]:
+            parent.children.link(collection)
+        player.hide_viewport = player.hide_render = True
+        return collection
+
+    def discard(self) -> None:
+        """Remove the frames made so far."""
+        made = found(self._made)
+        bpy.data.batch_remove([*made, *(obj.data for obj in made)])
+        self._made = []
+
+
+def _living(handle: Handle) -> bpy.types.ID:
+    """Return the data-block of a handle; raises InputError if it was removed."""
+    block = handle.find()
+    if block is None:
+        raise InputError("The player or its frames were deleted or undone meanwhile; start again.")
+    return block
+
+
+@contextmanager
+def _shown_scene(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
+    """Provide a scene as that of the context, although the user may have gone to another one."""
+    layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
+    with bpy.context.temp_override(scene=scene, view_layer=layer):
+        yield scene
 
 
 def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
