@@ -105,6 +105,32 @@ def rendered(material, folder):
     return values
 
 
+def test_pads_of_other_scenes_go_on_moving_their_materials():
+    fits = [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4
+    first = material_pad(bpy.context.scene, "Pad", NAMES, 2)
+    material = used(pad_fitted_material("M", fits, first))
+    bpy.ops.scene.new(type="FULL_COPY")
+    second = material_pad(bpy.context.scene, "Pad", NAMES, 2)
+    other = used(pad_fitted_material("M", fits, second))
+    assert second.handle != first.handle
+    assert other not in (material, pad_fitted_material("M", fits, first))
+    assert pad_fitted_material("M", fits, second) == other
+    put(second, 1.0, 1.0)
+    np.testing.assert_allclose(place_of(other), (1.0, 1.0), atol=1e-5)
+    np.testing.assert_allclose(place_of(material), (0.5, 0.5), atol=1e-5)
+    bpy.data.scenes.remove(bpy.data.scenes[0])
+    assert pad_fitted_material("M", fits, second) == other
+
+
+def test_a_pad_that_was_deleted_leaves_its_material_to_the_next_one():
+    fits = [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4
+    first = material_pad(bpy.context.scene, "Pad", NAMES, 2)
+    material = used(pad_fitted_material("M", fits, first))
+    for parent in first.handle.users_collection:
+        parent.objects.unlink(first.handle)
+    assert pad_fitted_material("M", fits, material_pad(bpy.context.scene, "Pad", NAMES, 2)) == material
+
+
 def test_the_shown_material_is_bilinear_between_blends(tmp_path):
     """Constant tables: under a light from above, the rendered color is their value."""
     pad = material_pad(bpy.context.scene, "Pad", NAMES, 3)

@@ -111,15 +111,28 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
     }
 
 
-def result_material(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
+def result_material(
+    name: str,
+    kind: str,
+    file: str = "",
+    *,
+    choose: Callable[[list[bpy.types.Material]], list[bpy.types.Material]] = list,
+) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of an earlier result with its nodes, or a new one without nodes. Objects keep the material.
 
     Nodes of a result are marked, so that all others, which the user has added, are kept. The nodes of results of
     earlier versions, which have no marks, are removed.
+
+    Parameters
+    ----------
+    name, kind, file : str
+        What the result shows, and how.
+    choose : callable
+        Returns which of some earlier results may be changed.
     """
     own = f"{kind} {file or name}"
-    found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own)
-    material = last_result(found, name) or bpy.data.materials.new(name)
+    results = [item for item in bpy.data.materials if item.get(RESULT_OF) == own]
+    material = last_result(choose(results), name) or bpy.data.materials.new(name)
     material[RESULT_OF] = own
     tree = own_tree(material)
     are_kept = _KEEPS_NODES in material or any(RESULT_OF in node for node in tree.nodes)

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...applications.live.pad_places import pad_corners, pad_height, pad_points
+from ..keyframes import drivers_of
 from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_labels, pad_lines
 
 PAD_OF = "convwass_material_pad"
@@ -55,6 +56,18 @@ class MaterialPad:
             along = f"{along}/max(1-{rising},{_TIP})"
         for socket, expression in ((across, f"min(max({along}+0.5,0),1)"), (up, rising)):
             drive_by_handle(socket.driver_add("default_value").driver, self.handle, expression)
+
+    def movable(self, materials: Sequence[bpy.types.Material]) -> list[bpy.types.Material]:
+        """Return which materials this pad may move: its own, or else those that no other pad in a scene moves."""
+        own = [material for material in materials if self.handle in _handles_of(material)]
+        return own or [one for one in materials if not any(other.users_scene for other in _handles_of(one))]
+
+
+def _handles_of(material: bpy.types.Material) -> list[bpy.types.Object]:
+    """Return the Empties of the pads that move a material."""
+    drivers = [curve.driver for curve in drivers_of(material.node_tree)]
+    read = {target.id for driver in drivers for variable in driver.variables for target in variable.targets}
+    return [block for block in read if block is not None and PAD_OF in block]
 
 
 def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], side: int) -> MaterialPad:

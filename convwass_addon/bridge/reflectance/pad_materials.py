@@ -53,7 +53,7 @@ def pad_lobe_material(
     pad : MaterialPad
         Drives the material.
     """
-    material, tree = result_material(name, "PAD LOBES")
+    material, tree = result_material(name, "PAD LOBES", choose=pad.movable)
     is_empty = not len(tree.nodes)
     place = _driven_place(tree, pad)
     node, is_new = lobe_node(tree, name, tables, lambda image: lobe_pad_group(image, pad.side))
@@ -68,7 +68,7 @@ def pad_lobe_material(
 
 def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialPad) -> bpy.types.Material:
     """Create a material with a Principled BSDF whose values depend on the pad; see `pad_lobe_material`."""
-    material, tree = result_material(name, "PAD FITTED")
+    material, tree = result_material(name, "PAD FITTED", choose=pad.movable)
     is_empty = not len(tree.nodes)
     place = _driven_place(tree, pad)
     node, is_new = principled_node(tree)
