@@ -167,8 +167,8 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
 
         job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(job.names))
-        world = sequence_world(name, job.files.paths, self.frame_start)
         scene = self._own_scene(context)
+        world = sequence_world(name, job.files.paths, self.frame_start, scene)
         before, scene.world = scene.world, world
         # Blender does not save worlds without users.
         if before is not None and not before.users:

@@ -116,6 +116,22 @@ def test_the_world_of_the_scene_stays_in_the_file(worlds, tmp_path):
     assert not bpy.data.worlds["Sky 0-1"].use_fake_user
 
 
+def test_a_copy_of_the_scene_gets_a_sky_of_its_own(worlds):
+    scene = bpy.context.scene
+    blend(worlds)
+    bpy.ops.scene.new(type="FULL_COPY")
+    copy = bpy.context.scene.world
+    for folder in ("second", "third"):
+        assert blend(worlds / folder) == {"FINISHED"}
+        assert bpy.context.scene.world == copy
+        assert {path.parent for path in shown_files(copy)} == {worlds / folder}
+        assert {path.parent for path in shown_files(scene.world)} == {worlds}
+    bpy.ops.scene.new(type="NEW")
+    blend(worlds / "fourth")
+    assert bpy.context.scene.world not in (copy, scene.world)
+    assert {path.parent for path in shown_files(scene.world)} == {worlds}
+
+
 def test_the_images_are_found_where_the_file_was_moved(worlds, tmp_path):
     (tmp_path / "project").mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "project" / "a.blend"))

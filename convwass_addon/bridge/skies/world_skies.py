@@ -22,6 +22,7 @@ from ..morphs.disk_output import for_blender
 from ..morphs.stored import FIRST_FRAMES
 from ..node_trees import own_tree
 from ..numbered_files import file_number, split_number, with_number
+from ..object_names import without_number
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from ..unused_data import remove_if_unused
@@ -154,8 +155,12 @@ def _files(texture: bpy.types.Node) -> list[Path]:
     return [with_number(path, own) for own in range(min(offsets) + 1, max(offsets) + user.frame_duration + 1)]
 
 
-def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
+def sequence_world(
+    name: str, files: list[Path], first_frame: int, scene: bpy.types.Scene | None = None
+) -> bpy.types.World:
     """Create a world that shows one file per frame, or update the one of that name, whose other nodes are kept.
+
+    A world that only other scenes show stays as it is.
 
     Parameters
     ----------
@@ -165,9 +170,10 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
         Numbered by frame; the first and last files are also shown before and after.
     first_frame : int
         Number of the first frame.
+    scene : bpy.types.Scene, optional
+        The scene for which it is; by default the current one.
     """
-    own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name)
-    world = last_result(own, name) or bpy.data.worlds.new(name)
+    world = _earlier_world(name, scene or bpy.context.scene) or bpy.data.worlds.new(name)
     world[RESULT_OF] = name
     nodes = own_tree(world).nodes
     texture = next((node for node in nodes if RESULT_OF in node), None) or _new_texture(world.node_tree)
@@ -181,6 +187,15 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     image.reload()
     _key_numbers(texture, first_frame, len(files))
     return world
+
+
+def _earlier_world(name: str, scene: bpy.types.Scene) -> bpy.types.World | None:
+    """Return the world to update: the one that a scene shows, unless its user has renamed it, or an earlier result."""
+    shown, results = scene.world, [item for item in bpy.data.worlds if item.get(RESULT_OF) == name]
+    if shown in results and without_number(shown.name) == name:
+        return last_result([shown], name)
+    elsewhere = {other.world for other in bpy.data.scenes if other != scene}
+    return last_result((item for item in results if item not in elsewhere), name)
 
 
 def _new_texture(tree: bpy.types.NodeTree) -> bpy.types.Node:
