@@ -28,6 +28,7 @@ from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..bridge.operator_errors import reason
+from ..bridge.scene_context import in_scene
 from ..errors import InputError
 from ..sentence import Sentence, first_names
 from ..translations import translated
@@ -318,7 +319,6 @@ def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJ
 @contextmanager
 def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
     """Make a morph active for operators, although it is excluded from the view layer or in another scene."""
-    layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
     nothing = {"object": None, "active_object": None, "selected_objects": []}
-    with bpy.context.temp_override(scene=scene, view_layer=layer, collection=morph, **nothing):
+    with in_scene(scene, collection=morph, **nothing):
         yield

@@ -17,7 +17,7 @@ from convwass_addon.bridge.morphs.stand_ins import stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.stored_fields import FIELD
 from tests.operators.morphs import PressedBake, baked_morph, census, two_balls, two_shapes
-from tests.operators.running import ESCAPE, is_computing, started, until, window_context
+from tests.operators.running import ESCAPE, is_computing, show_other_scene, started, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -29,14 +29,18 @@ def context():
     return window_context()
 
 
+def choose_settings(**others):
+    """Choose the settings of a bake in the current scene, from which a pressed one takes them."""
+    for name, value in {**_MIXED, "frames": 3, **others}.items():
+        setattr(bpy.context.scene.convwass_morph, name, value)
+
+
 @pytest.fixture
 def press(context):
     """Give a function that starts a bake of the selected shapes, which may replace a morph."""
 
     def start(replaces=""):
-        settings = bpy.context.scene.convwass_morph
-        for name, value in {**_MIXED, "frames": 3}.items():
-            setattr(settings, name, value)
+        choose_settings()
         context.selected_objects = bpy.context.selected_objects
         pressed = PressedBake()
         pressed.replaces = replaces
@@ -100,9 +104,19 @@ def test_stopping_while_new_frames_are_sampled_leaves_the_player(press, context,
     np.testing.assert_array_equal(fields_of(baked_morph()), fields)
 
 
-def test_frames_sampled_during_a_bake_are_those_in_the_scene(press, context):
-    two_shapes()
-    assert until(press(), context) == {"FINISHED"}
+@pytest.mark.parametrize("goes_away", [False, True])
+def test_frames_sampled_during_a_bake_are_those_in_the_scene(press, context, goes_away):
+    for obj in two_shapes():
+        obj.keyframe_insert("location", frame=1)
+        obj.location.z += 3.0
+        obj.keyframe_insert("location", frame=9)
+    bpy.context.scene.convwass_morph.follow = "FOLLOW"
+    scene, pressed = bpy.context.scene, press()
+    if goes_away:
+        show_other_scene(context)
+        choose_settings()
+    assert until(pressed, context) == {"FINISHED"}
+    bpy.context.window.scene = scene
     morph = baked_morph()
     (player,) = stand_ins(morph)
     assert is_player(player)

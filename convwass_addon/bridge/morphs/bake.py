@@ -148,6 +148,11 @@ class MorphBake:
         self._brings_material = MATERIAL_NAME not in bpy.data.materials
 
     @property
+    def scene(self) -> bpy.types.Scene:
+        """The scene of the morph; raises ConvwassError if it was removed."""
+        return self._living(self._scene)
+
+    @property
     def collection(self) -> bpy.types.Collection:
         """The morph; raises ConvwassError if it was removed."""
         return self._living(self._collection)

@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
@@ -21,6 +20,7 @@ from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import evaluated_mesh, place_mesh, take_own_materials
+from ..scene_context import in_scene
 from .frame_attributes import CARRIED_UV
 from .hidden_inputs import copy_hidden
 from .player_inputs import last_value, morph_value, playback_item, shown_value
@@ -100,7 +100,8 @@ class DenseBake:
         try:
             for number, time in enumerate(self._times):
                 control.check()
-                with _shown_scene(_living(self._scene)) as scene:
+                scene = _living(self._scene)
+                with in_scene(scene):
                     show_time(scene, time)
                     self._made.append(Handle.of("objects", _frame(_living(self._player), number)))
                 done = {"done": number + 1, "total": len(self._times)}
@@ -119,7 +120,9 @@ class DenseBake:
             Player or frames were deleted.
         """
         player, source, scene = _living(self._player), _living(self._source), _living(self._scene)
-        made, stored = [_living(handle) for handle in self._made], stored_morph(source)
+        made, stored = found(self._made), stored_morph(source)
+        if len(made) < len(self._made):
+            raise _gone()
         collection = bpy.data.collections.new(f"{source.name} Frames")
         action = bpy.data.actions.new(collection.name)
         for number, obj in enumerate(made):
@@ -158,16 +161,12 @@ def _living(handle: Handle) -> bpy.types.ID:
     """Return the data-block of a handle; raises InputError if it was removed."""
     block = handle.find()
     if block is None:
-        raise InputError("The player or its frames were deleted or undone meanwhile; start again.")
+        raise _gone()
     return block
 
 
-@contextmanager
-def _shown_scene(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
-    """Provide a scene as that of the context, although the user may have gone to another one."""
-    layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
-    with bpy.context.temp_override(scene=scene, view_layer=layer):
-        yield scene
+def _gone() -> InputError:
+    return InputError("The player or its frames were deleted or undone meanwhile; start again.")
 
 
 def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:

@@ -12,6 +12,7 @@ from ...applications.morphs.morph_problem import MorphFrame
 from ...progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ...sentence import Sentence
 from ..openvdb_module import openvdb_module
+from ..scene_context import in_scene
 from .disk_output import read_files
 from .field_job import FieldJob
 from .field_sampling import SampledFields
@@ -39,7 +40,8 @@ class MixedMorphJob(MorphJob):
     def write(self, report: Progress[MorphFrame | MorphPreview | Request[FieldJob]]) -> None:
         """Add a finished frame or a preview to the scene, or read all frames."""
         if isinstance(report.payload, Request):
-            self._fields = FieldJob(self._bake.collection, "INTERPOLATED")
+            with in_scene(self._bake.scene):
+                self._fields = FieldJob(self._bake.collection, "INTERPOLATED")
             report.payload.answer(self._fields)
         else:
             super().write(report)
