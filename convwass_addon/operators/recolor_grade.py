@@ -36,14 +36,14 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     _title = Sentence("Matching palettes")
 
     _job: TableJob
-    _source: str
+    _source: Handle
     _palette: str
 
     def _begin(self, context):
         from ..bridge.palettes.clip_frames import ClipFrames
 
         image, settings = chosen_image(context, self.image), self.recolor_settings()
-        self._source, self._palette = image.name, next(iter(palette_names(context)), "")
+        self._source, self._palette = Handle.of("images", image), next(iter(palette_names(context)), "")
         if is_clip(image):
             frames = ClipFrames(image, context.scene.convwass_recolor.mask)
             job = ClipJob(frames, *read_palettes(context), settings)
@@ -119,7 +119,7 @@ class CONVWASS_OT_build_grade_nodes(_MakesTable, bpy.types.Operator):
     def _use(self, table):
         from ..bridge.palettes.grade_nodes import grade_group
 
-        group = grade_group(table, f"Grade {self._palette}", self._source)
+        group = grade_group(table, f"Grade {self._palette}", self._source.find())
         tell(self, rpt_("Made the node group {:s} for the compositor").format(group.name))
 
 

@@ -79,11 +79,31 @@ def test_results_belong_to_images_whatever_their_names(own):
     np.testing.assert_array_equal(pixel_values(result), pixel_values(red))
 
 
+def test_groups_for_the_compositor_belong_to_images_whatever_their_names(own):
+    red = red_image()
+    for _ in range(2):
+        call("build_grade_nodes", image="Red", cube_size=3)
+    (group,) = bpy.data.node_groups
+    group.nodes[0].label = "Changed"
+    red.name = "Old red"
+    call("build_grade_nodes", image=red_image().name, cube_size=3)
+    assert group.nodes[0].label == "Changed"
+    assert len(bpy.data.node_groups) == 2
+    call("build_grade_nodes", image="Old red", cube_size=3)
+    assert group.nodes[0].label == ""
+    assert len(bpy.data.node_groups) == 2
+
+
 def test_results_of_earlier_versions_are_known_by_the_names_of_their_images(own):
     red = red_image()
     call("recolor_image", image="Red")
     result = bpy.data.images["Red recolored"]
     result[RESULT_OF] = "Red"
+    call("build_grade_nodes", image="Red", cube_size=3)
+    (group,) = bpy.data.node_groups
+    group["convwass_grade"] = "Grade Blue\nRed"
+    call("build_grade_nodes", image="Red", cube_size=3)
+    assert list(bpy.data.node_groups) == [group]
     assert shown_image(editor(result)) == red
     call("recolor_image", image="Red", strength=0.0)
     np.testing.assert_array_equal(pixel_values(result), pixel_values(red))

@@ -28,10 +28,13 @@ _COLUMN = 180.0
 
 
 RESULT_OF = "convwass_grade"
-"""Custom property of a node group that applies a table: the name and source it was made for."""
+"""Custom property of a node group that applies a table: the name it was given."""
+
+_SOURCE = "convwass_grade_source"
+"""Custom property of such a group: the image that the table was made for."""
 
 
-def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.NodeTree:
+def grade_group(table: LookupTable, name: str, source: bpy.types.Image | None = None) -> bpy.types.NodeTree:
     """Create a compositor node group that applies a table to an image.
 
     An existing group of the same name and source is rebuilt, and stays in use.
@@ -44,8 +47,8 @@ def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.No
         Table of sRGB encoded colors.
     name : str
         Name of the group and of the image with the table.
-    source : str
-        Name of the image that the table was made for.
+    source : bpy.types.Image, optional
+        The image that the table was made for.
     """
     group = _emptied_group(name, source)
     tiles = _Tiles(len(table.colors))
@@ -69,20 +72,28 @@ def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.No
     return group
 
 
-def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
+def _emptied_group(name: str, source: bpy.types.Image | None) -> bpy.types.NodeTree:
     """Return the existing group without its nodes, or a new one."""
-    mark = f"{name}\n{source}"
-    group = last_result((own for own in bpy.data.node_groups if own.get(RESULT_OF) == mark and _has_ends(own)), name)
+    known = (own for own in bpy.data.node_groups if _is_for(own, name, source) and _has_ends(own))
+    group = last_result(known, name)
     if group is None:
         group = bpy.data.node_groups.new(name, "CompositorNodeTree")
         group.interface.new_socket("Image", in_out="INPUT", socket_type="NodeSocketColor")
         group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
-        group[RESULT_OF] = mark
-        return group
+    group[RESULT_OF] = name
+    if source is not None:
+        group[_SOURCE] = source
     tables = {node.image for node in group.nodes if node.type == "IMAGE" and node.image is not None}
     group.nodes.clear()
     remove_if_unused(tables)
     return group
+
+
+def _is_for(group: bpy.types.NodeTree, name: str, source: bpy.types.Image | None) -> bool:
+    """Return whether a group was made with a name for a table of an image."""
+    # Earlier versions stored the name of the image, too.
+    known, _, earlier = str(group.get(RESULT_OF, "")).partition("\n")
+    return known == name and source == (bpy.data.images.get((earlier, None)) if earlier else group.get(_SOURCE))
 
 
 def _has_ends(group: bpy.types.NodeTree) -> bool:
