@@ -15,6 +15,7 @@ from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.subdivision import with_short_edges
@@ -84,7 +85,9 @@ def rod():
 def bent_rod(rod):
     """A rod that is straight and bent by 2 radians, and their motion."""
     shapes = [rod, deformed(rod, bent(rod.vertices, 2.0))]
-    return shapes, known_motion(shapes)
+    # As in bakes; with several threads, matrices that are factorized again differ in the last bits.
+    with one_blas_thread():
+        return shapes, known_motion(shapes)
 
 
 VECTOR = np.radians(90.0) * np.array([2.0, -1.0, 2.0]) / 3.0
@@ -299,8 +302,9 @@ def test_components_keep_their_position_on_the_body():
 
 def test_it_can_be_sent_to_another_process(bent_rod):
     _, motion = bent_rod
-    expected = motion.moved([0.5, 0.5])
-    for found, shape in zip(pickle.loads(pickle.dumps(motion)).moved([0.5, 0.5]), expected, strict=True):
+    with one_blas_thread():
+        expected, again = (own.moved([0.5, 0.5]) for own in (motion, pickle.loads(pickle.dumps(motion))))
+    for found, shape in zip(again, expected, strict=True):
         np.testing.assert_array_equal(found.vertices, shape.vertices)
 
 
