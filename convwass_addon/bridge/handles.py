@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..errors import ConvwassError
+
 
 @dataclass(frozen=True)
 class Handle:
@@ -33,6 +35,13 @@ class Handle:
     def find(self) -> bpy.types.ID | None:
         """Return the data-block, or None if it was deleted."""
         return next((block for block in getattr(bpy.data, self.kind) if block.session_uid == self.uid), None)
+
+    def living(self, gone: ConvwassError) -> bpy.types.ID:
+        """Return the data-block; raises the given error if it was deleted."""
+        block = self.find()
+        if block is None:
+            raise gone
+        return block
 
 
 def found(handles: Sequence[Handle]) -> list[bpy.types.ID]:

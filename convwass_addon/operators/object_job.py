@@ -27,10 +27,7 @@ class ObjectJob(Job):
 
     def target(self) -> bpy.types.Object:
         """Return the object; raises the given error if it was deleted or its creation undone."""
-        obj = self._target.find()
-        if obj is None:
-            raise self._gone
-        return obj
+        return self._target.living(self._gone)
 
     @property
     def is_edited(self) -> bool:

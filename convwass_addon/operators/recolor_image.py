@@ -88,12 +88,9 @@ class RecolorJob(Job):
 
     def target(self) -> bpy.types.ID:
         """Return the data-block that receives the result; raises InputError if it was deleted."""
-        found = self._target.find()
-        if found is None:
-            raise InputError(
-                "The image or object was deleted, or its creation undone, during the recoloring; start again."
-            )
-        return found
+        return self._target.living(
+            InputError("The image or object was deleted, or its creation undone, during the recoloring; start again.")
+        )
 
 
 class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, bpy.types.Operator):

@@ -96,9 +96,7 @@ class SkyJob:
         from ..applications.skies.sky_frames import require_light
         from ..bridge.skies.world_skies import world_sky
 
-        world = self._worlds[place].find()
-        if world is None:
-            raise InputError("There is no world {name}.", name=self.names[place])
+        world = self._worlds[place].living(InputError("There is no world {name}.", name=self.names[place]))
         sky = world_sky(world, self._height)
         require_light(sky, world.name)
         return sky

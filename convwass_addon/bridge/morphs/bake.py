@@ -347,10 +347,7 @@ class MorphBake:
 
     def _living(self, handle: Handle) -> bpy.types.ID:
         """Return the data-block of a handle; raises ConvwassError if it was removed."""
-        block = handle.find()
-        if block is None:
-            raise ConvwassError("The morph was undone or deleted during the bake; bake it again.")
-        return block
+        return handle.living(ConvwassError("The morph was undone or deleted during the bake; bake it again."))
 
     def _living_action(self, name: str) -> bpy.types.Action:
         """Return the action of all visibility keys; created on the first call."""

@@ -54,10 +54,7 @@ class Surface:
 
     def found(self) -> bpy.types.Mesh:
         """Return the mesh; raises ConvwassError if it was removed by undo."""
-        mesh = self.mesh.find()
-        if mesh is None:
-            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
-        return mesh
+        return self.mesh.living(ConvwassError("The copies of the shapes were removed during the baking; start again."))
 
     def object_in(self, scene: bpy.types.Scene, name: str) -> bpy.types.Object:
         """Link an object with a copy of the mesh to a scene; it has an Empty as a parent if it is sheared.

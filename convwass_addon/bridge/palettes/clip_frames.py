@@ -73,10 +73,8 @@ class ClipFrames:
         """
         found = None if self._copy is None else self._copy.find()
         if found is None:
-            original = self._original.find()
-            if original is None:
-                raise InputError("The image was deleted, or its creation undone, during the recoloring; start again.")
-            found = original.copy()
+            gone = InputError("The image was deleted, or its creation undone, during the recoloring; start again.")
+            found = self._original.living(gone).copy()
             self._copy = Handle.of("images", found)
         return found
 
