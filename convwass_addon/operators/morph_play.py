@@ -20,7 +20,6 @@ from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, interpolates
 from ..bridge.openvdb_module import openvdb_module
-from ..progress import Control, Progress, Work
 from ..properties.from_schema import property_of, values_of, with_properties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
@@ -226,36 +225,6 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class DensePlayerJob:
-    """Makes a mesh of every frame that a player shows; see :class:`.dense_bake.DenseBake`.
-
-    Parameters
-    ----------
-    player : bpy.types.Object
-        The player.
-    rate : float
-        Frames per second of the new morph.
-    """
-
-    def __init__(self, player: bpy.types.Object, rate: float) -> None:
-        from ..bridge.morphs.dense_bake import DenseBake, sample_times
-
-        render = bpy.context.scene.render
-        first, last = keyed_span(player)
-        self.bake = DenseBake(player, sample_times(first, last, render.fps / render.fps_base, rate), first)
-
-    def steps(self, control: Control) -> Work[None]:
-        """Make the frames."""
-        return self.bake.steps(control)
-
-    def write(self, report: Progress[None]) -> None:
-        """Do nothing; frames are put into the scene at the end."""
-
-    def discard(self) -> None:
-        """Remove the frames made so far."""
-        self.bake.discard()
-
-
 class CONVWASS_OT_bake_player(BackgroundOperator, _OnPlayer, bpy.types.Operator):
     """Make a mesh of every frame that the player shows, at any frame rate; Make Volume and Make Cache write them"""
 
@@ -294,10 +263,14 @@ class CONVWASS_OT_bake_player(BackgroundOperator, _OnPlayer, bpy.types.Operator)
         return super().invoke(context, None)
 
     def _begin(self, context):
-        return DensePlayerJob(context.object, self.rate)
+        from ..bridge.morphs.dense_bake import DenseBake, sample_times
+
+        render = context.scene.render
+        first, last = keyed_span(context.object)
+        return DenseBake(context.object, sample_times(first, last, render.fps / render.fps_base, self.rate), first)
 
     def _finish(self, context, job):
-        morph = job.bake.finish()
+        morph = job.finish()
         select_only(context, frame_objects(morph)[:1])
         self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(frame_objects(morph))))
         return {"FINISHED"}

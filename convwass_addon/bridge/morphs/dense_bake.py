@@ -15,7 +15,7 @@ from ...applications.live.weight_layouts import path_weights
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..animation_time import show_time, times_per_second
+from ..animation_time import show_time
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
@@ -111,6 +111,9 @@ class DenseBake:
             if scene is not None:
                 scene.frame_set(before[0], subframe=before[1])
 
+    def write(self, report: Progress[None]) -> None:
+        """Do nothing; frames are put into the scene at the end."""
+
     def finish(self) -> bpy.types.Collection:
         """Put the frames into a new morph, which has the settings of the old one and `SAMPLED_FROM`, and return it.
 
@@ -132,7 +135,7 @@ class DenseBake:
             key_visibility(obj, action, [FrameRange(first, last)])
         settings = {**stored.settings, SAMPLED_FROM: source.name}
         # The velocities are those of the player, but a frame may last for more or less time.
-        per_second = (stored.per_second or times_per_second(scene)) / float(self._times[1] - self._times[0])
+        per_second = stored.rate_in(scene) / float(self._times[1] - self._times[0])
         described = replace(
             stored,
             settings=settings,
@@ -159,10 +162,7 @@ class DenseBake:
 
 def _living(handle: Handle) -> bpy.types.ID:
     """Return the data-block of a handle; raises InputError if it was removed."""
-    block = handle.find()
-    if block is None:
-        raise _gone()
-    return block
+    return handle.living(_gone())
 
 
 def _gone() -> InputError:

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
@@ -280,8 +279,7 @@ def _stored(
     from .field_sampling import store_fields
 
     # The scene may play at another rate since the bake; the velocities of the frames do not change with it.
-    per_second = stored_morph(collection).per_second or times_per_second(bpy.context.scene)
-    columns = path_columns(frames, per_second)
+    columns = path_columns(frames, stored_morph(collection).rate_in(bpy.context.scene))
     return store_fields(collection, frames, sampled, _table(frames), columns)
 
 

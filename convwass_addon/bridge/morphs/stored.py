@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
+from ..animation_time import times_per_second
 from ..keyframes import keyed_frames, shown_from
 from ..object_names import ObjectName, objects_named, scene_copies
 from ..stored_json import is_list_of, parsed_table
@@ -77,6 +78,10 @@ class StoredMorph:
     records: list[dict[str, object]]
     libraries: list[str] = field(default_factory=list)
     per_second: float | None = None
+
+    def rate_in(self, scene: bpy.types.Scene) -> float:
+        """Return `per_second`, or the current rate of a scene if that is unknown."""
+        return self.per_second or times_per_second(scene)
 
     @property
     def names(self) -> list[ObjectName]:
