@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,10 +40,10 @@ from .runs import (
     Run,
     SketchedRuns,
     as_sketched,
-    moving_runs_in_threads,
     runs_elsewhere,
     runs_in_threads,
     sketched_runs_in_threads,
+    solved_in_threads,
 )
 from .solving_again import Asked, again_elsewhere, again_in_threads
 from .volumes import fitting_workers
@@ -168,7 +168,6 @@ class BakePlan:
         still = with_connectivity(recorded, min(self._threads, len(self.shapes)), control)
         return self._fitted(FollowingProblem.around(still, motion, animation, outward, self.names, self.matching))
 
-    @contextmanager
     def again(
         self,
         problem: MorphProblem | MovingProblem,
@@ -176,14 +175,11 @@ class BakePlan:
         asked: Asked,
         control: Control,
         kept: KeptBlends | None = None,
-    ) -> Iterator[Pending]:
+    ) -> AbstractContextManager[Pending]:
         """Compute blends of some runs again; see :func:`.solving_again.solve_again`."""
         if self.computation.executor is None:
-            work = again_in_threads(problem, runs, asked, control, self._fitting(problem), kept)
-        else:
-            work = again_elsewhere(problem, runs, asked, self.computation.executor)
-        with work as pending:
-            yield pending
+            return again_in_threads(problem, runs, asked, control, self._fitting(problem), kept)
+        return again_elsewhere(problem, runs, asked, self.computation.executor)
 
     @property
     def _shows(self) -> bool:
@@ -239,7 +235,7 @@ class BakePlan:
             yield from self._moved_previews(moving, control)
             fraction += _PREVIEW_SHARE
         if self.computation.executor is None:
-            runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
+            runs = solved_in_threads(moving.frames, moving.effort, self.runs, control, self._fitting(moving))
         else:
             runs = runs_elsewhere(moving, self.runs, self.computation.executor)
         return BegunRuns(stack.enter_context(runs), fraction, moving)

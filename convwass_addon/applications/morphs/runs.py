@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -99,17 +99,15 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
     return [tuple(blends[start : start + RUN_LENGTH]) for start in starts]
 
 
-@contextmanager
 def runs_in_threads(
     problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int, kept: KeptBlends | None = None
-) -> Iterator[Pending]:
+) -> AbstractContextManager[Pending]:
     """Solve runs of a morph between solids in threads, and keep the blends; see :func:`solved_in_threads`."""
 
     def solve(run: Run, control: Control, hand_over: HandOver) -> list[MorphFrame]:
         return solve_blends(problem, run, control, None, hand_over, kept)
 
-    with solved_in_threads(solve, problem.transport.effort, runs, control, workers) as pending:
-        yield pending
+    return solved_in_threads(solve, problem.transport.effort, runs, control, workers)
 
 
 @contextmanager
@@ -238,15 +236,6 @@ def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control
         finally:
             # Leaving the executor's context waits for its threads, so cancel them first.
             own.cancel()
-
-
-@contextmanager
-def moving_runs_in_threads(
-    problem: MovingProblem, runs: dict[int, Run], control: Control, workers: int
-) -> Iterator[Pending]:
-    """Solve runs of a morph with moving inputs in threads; see :func:`solved_in_threads`."""
-    with solved_in_threads(problem.frames, problem.effort, runs, control, workers) as pending:
-        yield pending
 
 
 @contextmanager

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 
 from ...progress import UNINTERRUPTED, Control
@@ -97,10 +97,8 @@ def _independent(problem: MorphProblem | MovingProblem, run: Run, asked: Asked, 
     return [(blend,) for blend in wanted] if is_divided else [run]
 
 
-@contextmanager
 def again_elsewhere(
     problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, executor: Executor
-) -> Iterator[Pending]:
+) -> AbstractContextManager[Pending]:
     """Call :func:`solve_again` for several runs with the caller's executor; see :func:`.runs.runs_elsewhere`."""
-    with runs_elsewhere(problem, runs, executor, partial(solve_again_apart, asked=asked)) as pending:
-        yield pending
+    return runs_elsewhere(problem, runs, executor, partial(solve_again_apart, asked=asked))
