@@ -190,8 +190,8 @@ def _without_guides(
         heights = height_groups(shapes.both[0].mesh), height_groups(shapes.both[1].mesh)
         upright = yield from within(_solved(shapes, seeds, heights, weight=_HEIGHTS), 0.75, 1.0)
         if upright.score >= _UPRIGHT * max(one.score for one in tried):
-            return replace(upright, pairs=_NO_PAIRS)
-    return replace(max(tried, key=lambda one: one.score), pairs=_NO_PAIRS)
+            return upright
+    return max(tried, key=lambda one: one.score)
 
 
 def mirrored_map(
@@ -211,8 +211,7 @@ def limb_map(
     sides: MirroredSides,
 ) -> Work[PairMap]:
     """Solve the map that joins the tips of limbs, (k, 2), and keeps left and right; they do not count as guides."""
-    found = yield from _solved(_MapShapes((first, second), vertices, control), pairs, sides.both_groups)
-    return replace(found, pairs=_NO_PAIRS)
+    return _solved(_MapShapes((first, second), vertices, control), pairs, sides.both_groups)
 
 
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
@@ -239,12 +238,12 @@ def _solved(
     mirrors: MirrorPlanes | None = None,
     weight: float = _SIDED,
 ) -> Work[PairMap]:
-    """Solve the map from pairs, (k, 2), with a weight of the groups."""
+    """Solve the map from pairs, (k, 2), which do not count as guides, with a weight of the groups."""
     own = groups or ({}, {})
     mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate(shapes.both))
     settings = SoftMapSettings(vertices=shapes.vertices, group_weight=weight)
     found = yield from soft_map_steps(*mapped, pairs, settings, shapes.control, mirrors)
-    return PairMap(found, pairs, _score(*shapes.both, found))
+    return PairMap(found, _NO_PAIRS, _score(*shapes.both, found))
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
