@@ -175,7 +175,7 @@ def extract_surface(
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = prepared.mixed_with(solids)
-    extracted = _Repairs(prepared.volume, shapes, settings, constraint, control).mended(prepared)
+    extracted = _Repairs(shapes, settings, constraint, control).mended(prepared)
     # Repairs on a coarse grid may raise the level above all of the density that they started from.
     level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
     shown = prepared.density > level
@@ -194,14 +194,13 @@ def extract_coinciding(
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
     prepared = _Prepared(solids.density, whole, 1.0, volume + solids.surplus)
-    return _Repairs(prepared.volume, shapes, settings, constraint, control).mended(prepared)
+    return _Repairs(shapes, settings, constraint, control).mended(prepared)
 
 
 @dataclass(frozen=True)
 class _Repairs:
     """How the surface of a blend is repaired; see :func:`extract_surface`."""
 
-    volume: float
     shapes: Sequence[Connectivity]
     settings: MorphSettings
     constraint: Constraint
@@ -209,7 +208,7 @@ class _Repairs:
 
     def mended(self, prepared: _Prepared) -> Extraction:
         """Return the surface in the box of a density, repaired as the settings demand."""
-        density, volume = prepared.density, self.volume
+        density, volume = prepared.density, prepared.volume
         if not self.settings.mend:
             surface = surface_enclosing(density, volume)
             even = with_face_size(even_surface(surface, density), density, self.settings.face_size, self.control)
@@ -222,21 +221,21 @@ class _Repairs:
 
     def _limited(self, prepared: _Prepared, free: Mending, most: Connectivity) -> Extraction:
         """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
-        level = free.surface.level
+        level, volume = free.surface.level, prepared.volume
         for _ in range(_LEVELS):
             limited = self.constraint.bounds.limited(free.density, level, prepared.box)
             held = cells_changed(free.density, limited, level)
             if not held:
                 return self._sized(free, held=0, held_share=0.0)
-            share = float(np.count_nonzero((limited > level) != (free.density > level)) / self.volume)
-            if np.count_nonzero(limited) <= self.volume:
+            share = float(np.count_nonzero((limited > level) != (free.density > level)) / volume)
+            if np.count_nonzero(limited) <= volume:
                 # A thin part that moves by more than its width is beyond all limits.
                 return self._sized(free, held=held, held_share=share)
             # What the limits change also changes the level, which moves the limited surface.
-            before, level = level, level_enclosing(limited, self.volume)
+            before, level = level, level_enclosing(limited, volume)
             if abs(level - before) <= _SAME_LEVEL * before:
                 break
-        mending = mended_surface(limited, self.volume, most, self.constraint.effort, self.control)
+        mending = mended_surface(limited, volume, most, self.constraint.effort, self.control)
         return self._sized(mending, held=held, held_share=share)
 
     def _sized(self, mending: Mending, **figures: float) -> Extraction:
