@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ class CombinedMotion:
         shapes = self.guided.moved(weights)
         active = [index for index, weight in enumerate(weights) if weight > 0]
         added: dict[int, NDArray[np.float64]] = {index: np.zeros_like(shapes[index].vertices) for index in active}
-        for pair in [(i, j) for i in active for j in active if i < j]:
+        for pair in combinations(active, 2):
             total = weights[pair[0]] + weights[pair[1]]
             warp = self.warps[pair]
             warped = warp.moved([weights[index] / total for index in pair])

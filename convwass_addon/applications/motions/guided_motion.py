@@ -17,7 +17,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,34 +127,27 @@ class GuidedMotion:
         if len(weights) != len(self.carriers):
             raise ValueError(f"there are {len(self.carriers)} shapes, but {len(weights)} weights")
         active = [shape for shape, weight in enumerate(weights) if weight > 0]
-        missing = [(one, other) for one in active for other in active if one != other and not self._knows(one, other)]
+        missing = [pair for pair in permutations(active, 2) if pair not in self.deformations]
         if missing:
             raise ValueError(f"shapes {missing[0][0]} and {missing[0][1]} were not prepared to occur together")
-        result: list[MovedShape | None] = [None] * len(self.carriers)
         if len(active) == 1 or self.settings.way == 0:
-            for shape in active:
-                carrier = self.carriers[shape]
-                result[shape] = MovedShape(carrier.rest, carrier.rest.vertices, carrier.parents)
-            return result
-        for shape, vertices in zip(active, self._moved_together(active, weights), strict=True):
-            result[shape] = MovedShape(self.carriers[shape].rest, vertices, self.carriers[shape].parents)
-        return result
+            moved = {shape: self.carriers[shape].rest.vertices for shape in active}
+        else:
+            moved = self._moved_together(active, weights)
+        return [
+            MovedShape(carrier.rest, moved[shape], carrier.parents) if shape in moved else None
+            for shape, carrier in enumerate(self.carriers)
+        ]
 
-    def _knows(self, one: int, other: int) -> bool:
-        return (one, other) in self.deformations
-
-    def _moved_together(self, active: list[int], weights: Sequence[float]) -> list[NDArray[np.float64]]:
-        """Return the vertices of the shapes that have weight."""
+    def _moved_together(self, active: list[int], weights: Sequence[float]) -> dict[int, NDArray[np.float64]]:
+        """Return the vertices of the shapes that have weight, by their indices."""
         shares = np.array([weights[shape] for shape in active], dtype=np.float64)
         shares /= shares.sum()
         with one_blas_thread():
             states = [self._state(shape, dict(zip(active, shares, strict=True))) for shape in active]
             points = [self.carriers[shape].poisson.solve(*state) for shape, state in zip(active, states, strict=True)]
-        found = []
-        for place, shape in enumerate(active):
-            for other_place, other in enumerate(active):
-                if other != shape:
-                    found.append(self._correspondence((place, other_place), (shape, other), points))
+        ways = zip(permutations(range(len(active)), 2), permutations(active, 2), strict=True)
+        found = [self._correspondence(places, shapes, points) for places, shapes in ways]
         poses = mutual_poses(shares, found)
         moved = {
             shape: pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, gradients))
@@ -162,7 +155,7 @@ class GuidedMotion:
         }
         if self.versions and self.settings.way == 1.0:
             moved = met(self.versions, moved, shares, 1.0 - self.settings.stiffness)
-        return list(moved.values())
+        return moved
 
     def _state(
         self, shape: int, shares: Mapping[int, float]
