@@ -16,7 +16,6 @@ from scipy.spatial import cKDTree
 
 from ...geometry.registration import Registration, Stage
 from ...geometry.rotations import nearest_rotations
-from ...geometry.surface_graph import surface_graph
 from ...progress import Control
 from .carriers import Carrier
 from .coinciding_places import coinciding_region
@@ -58,7 +57,7 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
     laid = Registration(shape, target, np.empty((0, 2), np.int64), (mesh.vertices - center) / other.size)
     # Closest points must not attract the front to parts that it has not reached yet.
     laid.reach = _REACH
-    graph = surface_graph(shape.mesh)
+    graph = shape.graph
     away = dijkstra(graph, indices=np.flatnonzero(core), min_only=True)
     farthest = away[np.isfinite(away)].max()
     for front in np.arange(0.0, farthest + _STEP, _STEP):
