@@ -81,10 +81,6 @@ class MirroredSides:
         """The groups of both shapes."""
         return self.groups(0), self.groups(1)
 
-    def of_coarser(self, meshes: tuple[TriangleMesh, TriangleMesh]) -> MirroredSides:
-        """Return the sides of coarser meshes of the same shapes."""
-        return MirroredSides(meshes, self.planes)
-
     @cached_property
     def _images(self) -> list[ClosestPoints]:
         """The mirror images of the vertices of both shapes, on the shapes."""

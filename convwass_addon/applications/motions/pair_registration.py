@@ -169,7 +169,7 @@ def laid_on_each_other(
         rough = [
             Laid(start.points[own.seeds], start.trust[own.seeds]) for start, own in zip(starts, drafts, strict=True)
         ]
-        kept = None if sides is None else sides.of_coarser((drafts[0].mesh, drafts[1].mesh))
+        kept = None if sides is None else MirroredSides((drafts[0].mesh, drafts[1].mesh), sides.planes)
         drafted, is_grown = _drafted(coarse, rough, grown, kept)
     drafted = _tightened(coarse, drafted)
 
