@@ -10,12 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .rays import Crossings, crossings
+from .rays import NUDGE, Crossings, crossings
 from .winding import lattice_winding
 
 # Rays per voxel and axis, along each side of the voxel's face.
 _RAYS = 4
-_NUDGE = (1.23e-5, 2.77e-5)
 # Empty voxels around the bounding box of the mesh.
 _MARGIN = 1
 
@@ -100,8 +99,8 @@ def _axis_coverage(
     a, b = (axis + 1) % 3, (axis + 2) % 3
     sheared = np.stack(
         [
-            _RAYS * corners[..., a] + corners[..., b] - 0.5 + _NUDGE[0],
-            _RAYS * corners[..., b] - 0.5 + _NUDGE[1],
+            _RAYS * corners[..., a] + corners[..., b] - 0.5 + NUDGE[0],
+            _RAYS * corners[..., b] - 0.5 + NUDGE[1],
             corners[..., axis],
         ],
         axis=-1,

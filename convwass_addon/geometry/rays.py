@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 from .chunks import chunks_by_sizes
 from .integer_ranges import integer_ranges
 
+NUDGE = (1.23e-5, 2.77e-5)
+"""Offset of meshes aligned with a grid across the lines, so that none passes exactly through an edge or a vertex."""
+
 # Lattice points in the bounding boxes of triangles that are processed together; limits the memory.
 _CHUNK = 1_000_000
 

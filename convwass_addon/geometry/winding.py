@@ -14,10 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .rays import crossings
-
-# Offset of the lines, so that none passes exactly through an edge or vertex of a mesh aligned with the grid.
-_NUDGE = (1.23e-5, 2.77e-5)
+from .rays import NUDGE, crossings
 
 # (axis, shear along the next axis, shear along the one after, weight): 3 axes, 6 face diagonals and 4 body diagonals.
 # The weight is the solid angle of the direction's Voronoi cell among the 26 directions.
@@ -93,8 +90,8 @@ def _add_line_winding(
     height = corners[..., axis] - 0.5
     sheared = np.stack(
         [
-            corners[..., a] - 0.5 - shear_a * height + _NUDGE[0],
-            corners[..., b] - 0.5 - shear_b * height + _NUDGE[1],
+            corners[..., a] - 0.5 - shear_a * height + NUDGE[0],
+            corners[..., b] - 0.5 - shear_b * height + NUDGE[1],
             height,
         ],
         axis=-1,
