@@ -128,8 +128,7 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
     """
     # With 8 bits if possible, since colors come from images, and files stay small; values are clamped to one.
     write_attribute(mesh, COLOR, kind_of_colors(), carried.color)
-    for index, weight in enumerate(carried.weights, start=1):
-        write_attribute(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
+    write_source_weights(mesh, carried.weights)
     for index, seen in carried.inputs.items():
         write_attribute(mesh, LOOK.format(index + 1), kind_of_colors(), seen.colors)
         if seen.materials.any():
@@ -211,10 +210,14 @@ def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
         return False
     domain, colors = attribute.domain, element_values(attribute.data, "color", 4)
     write_attribute(mesh, COLOR, "FLOAT_COLOR", colors, domain)
-    for other in range(count):
-        weight = np.full(len(mesh.vertices), float(other == index), np.float32)
-        write_attribute(mesh, SOURCE_WEIGHT.format(other + 1), "FLOAT", weight)
+    write_source_weights(mesh, np.eye(count)[index])
     return True
+
+
+def write_source_weights(mesh: bpy.types.Mesh, weights: Sequence[float]) -> None:
+    """Write the shares of all inputs in a frame, which are the same at all of its points."""
+    for number, weight in enumerate(weights, start=1):
+        write_attribute(mesh, SOURCE_WEIGHT.format(number), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
 
 
 def _paint(

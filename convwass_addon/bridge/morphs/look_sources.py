@@ -18,7 +18,8 @@ from ..element_values import element_values, triangle_corners, triangle_polygons
 from ..joined_shapes import OWN_POSITION
 from ..rendered_maps import render_colors, render_uv_map
 from ..shown_nodes import nodes_of
-from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
+from .appearance import write_source_weights
+from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION
 from .frozen_inputs import FrozenInput
 from .look_groups import CarriedNames
 
@@ -157,9 +158,7 @@ def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, c
         values = np.zeros((len(mesh.vertices), corners.shape[2]), np.float32)
         values[appearance.faces] = corners
         _write(mesh, name, values)
-    for other in range(1, count + 1):
-        weight = np.full((len(mesh.vertices), 1), float(other == number), np.float32)
-        _write(mesh, SOURCE_WEIGHT.format(other), weight)
+    write_source_weights(mesh, np.eye(count)[number - 1])
     _write(mesh, LOOKS, np.ones((len(mesh.vertices), 1), np.float32))
 
 
