@@ -124,7 +124,7 @@ def read_blends(collection: bpy.types.Collection, frames: Sequence[bpy.types.Obj
             for number in ends:
                 show_time(bpy.context.scene, times[number])
                 meshes[number : number + 1] = _local_meshes([frames[number]])
-    return BlendMeshes(meshes, frame_weights(frames), field_cells(stored_morph(collection).settings))
+    return BlendMeshes(meshes, frame_weights(frames), field_cells(stored_morph(collection)))
 
 
 def sample_fields(blends: BlendMeshes, control: Control) -> Work[SampledFields]:

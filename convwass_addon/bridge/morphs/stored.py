@@ -50,6 +50,9 @@ SAMPLED_FROM = "sampled_from"
 FIRST_FRAMES = (-1_048_574, 1_048_574)
 """Lowest and highest frame in Blender."""
 
+# Cells along the longest side of what is made from a morph without a resolution.
+_FALLBACK_RESOLUTION = 100
+
 
 @dataclass(frozen=True)
 class StoredMorph:
@@ -82,6 +85,11 @@ class StoredMorph:
     def rate_in(self, scene: bpy.types.Scene) -> float:
         """Return `per_second`, or the current rate of a scene if that is unknown."""
         return self.per_second or times_per_second(scene)
+
+    @property
+    def resolution(self) -> int:
+        """Cells along the longest side in the bake, or a usual number for morphs without one."""
+        return int(self.settings.get("resolution") or _FALLBACK_RESOLUTION)
 
     @property
     def names(self) -> list[ObjectName]:

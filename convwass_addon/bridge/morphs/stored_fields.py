@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .field_sampler import SampleGrid
+from .stored import StoredMorph
 
 FIELD = "field_{}"
 """Point attribute of the samples for every blend: signed distance in cells times `SCALE`, positive inside, 8 bits."""
@@ -31,7 +32,6 @@ OFFSET, VOLUME, ENCLOSED, COLOR = "offset", "volume", "enclosed", "color"
 The volume in cells finds the level of a mixture, and that of the mesh, in scene units, is what is shown.
 """
 
-_FALLBACK_RESOLUTION = 100
 # From this factor on, the hooves and manes of a horse at 64 cells have sharp edges (by eye), and surfaces have about as
 # many vertices as baked blends with detail.
 _FINER = 1.25
@@ -77,9 +77,8 @@ class StoredFields:
         return [self.samples, self.steps, self.sampler]
 
 
-def field_cells(settings: dict[str, object]) -> float:
+def field_cells(morph: StoredMorph) -> float:
     """Return the number of cells of the fields along the longest side; higher if the detail is finer than the bake."""
-    resolution = int(settings.get("resolution") or _FALLBACK_RESOLUTION)
-    detail = settings.get("detail")
-    carries = settings.get("motion", "transport") != "transport" if detail is None else detail > 0.0
-    return resolution * (_FINER if carries else 1.0)
+    detail = morph.settings.get("detail")
+    carries = morph.settings.get("motion", "transport") != "transport" if detail is None else detail > 0.0
+    return morph.resolution * (_FINER if carries else 1.0)

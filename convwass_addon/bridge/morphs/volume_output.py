@@ -42,7 +42,6 @@ _MARGIN = 4
 # Values below this are empty space in the file.
 _EMPTY = 1e-3
 _LEVEL = 0.5
-_FALLBACK_RESOLUTION = 100
 # OpenVDB refuses smaller cells, in scene units; see `tests/operators/test_morph_output.py`.
 _LEAST_SPACING = 1.45e-5
 
@@ -84,7 +83,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
         )
     frames = some_frame_objects(collection)
     scene_frames, every, shown = _timeline(collection, frames)
-    spacing = _spacing(every, stored_morph(collection).settings)
+    spacing = _spacing(every, stored_morph(collection).resolution)
     if spacing < _LEAST_SPACING:
         raise InputError(
             "{name} is too small for volumes: its cells would be {spacing:.1e} wide, but must be {least:.1e} or wider. "
@@ -109,10 +108,10 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
 
 
-def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> float:
+def _spacing(meshes: Sequence[TriangleMesh], resolution: int) -> float:
     """Return the cell size: the resolution of the bake applied to the longest side of all frames."""
     low, high = common_bounds([mesh.bounds for mesh in meshes])
-    return float((high - low).max()) / int(settings.get("resolution") or _FALLBACK_RESOLUTION)
+    return float((high - low).max()) / resolution
 
 
 def _timeline(
