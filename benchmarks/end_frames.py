@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import vertex_normals
 
 from .coherence_measures import steps_between
 
@@ -44,5 +43,5 @@ def with_volume(mesh: TriangleMesh, volume: float) -> TriangleMesh:
     """Offset a closed mesh along its normals until it encloses nearly the given volume."""
     for _ in range(_SHIFTS):
         shift = (volume - mesh.volume) / mesh.area
-        mesh = TriangleMesh(mesh.vertices + shift * vertex_normals(mesh.vertices, mesh.faces), mesh.faces)
+        mesh = TriangleMesh(mesh.vertices + shift * mesh.vertex_normals, mesh.faces)
     return mesh

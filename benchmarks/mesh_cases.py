@@ -15,7 +15,6 @@ from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.facing_points import FacingPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
 
 from .clock import Clock
@@ -68,7 +67,7 @@ def shrinkwrapped(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
 
 def facing(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
     """Return the nearest point with a similar normal for each vertex, (n, 3)."""
-    normals = vertex_normals(mesh.vertices, mesh.faces)
+    normals = mesh.vertex_normals
     return FacingPointFinder(target).find(mesh.vertices, normals).interpolated(target.corners)
 
 

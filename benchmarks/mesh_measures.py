@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.distortion import vertex_distortions
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import triangle_normals, vertex_normals
 from convwass_addon.geometry.weighted_quantile import weighted_quantile
 
 from .coherence_measures import crossing_share
@@ -107,8 +106,8 @@ class MeshFigures:
         distances, areas = found.distances / diagonal, last.vertex_areas
         back = ClosestPointFinder(last.corners).find(target.vertices).distances
         shares = areas / areas.sum()
-        there = found.interpolated(vertex_normals(target.vertices, target.faces)[target.faces])
-        own = vertex_normals(last.vertices, last.faces)
+        there = found.interpolated(target.vertex_normals[target.faces])
+        own = last.vertex_normals
         cosines = np.einsum("nd,nd->n", own, there) / np.maximum(np.linalg.norm(there, axis=1), 1e-12)
         angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
         allowed = max(crossing_share(first), crossing_share(target))
@@ -147,5 +146,5 @@ def _areas(mesh: TriangleMesh) -> NDArray[np.float64]:
 
 def _turned(mesh: TriangleMesh, target: TriangleMesh, finder: ClosestPointFinder) -> int:
     below = finder.find(mesh.corners.mean(axis=1)).triangles
-    own, there = triangle_normals(mesh.corners), triangle_normals(target.corners)[below]
+    own, there = mesh.face_normals, target.face_normals[below]
     return int((np.einsum("nd,nd->n", own, there) < 0).sum())

@@ -19,7 +19,6 @@ from convwass_addon.geometry.edges import edge_use, topology
 from convwass_addon.geometry.even_surface import even_surface
 from convwass_addon.geometry.isosurface import LevelSurface, surface_enclosing
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, torus
 
@@ -135,7 +134,7 @@ def meshed(shape: str, method: str, cells: int) -> dict[str, object]:
     if whole.depth is not None:
         placed = lattice.to_scene(mesh, np.ones(1)).vertices
         figures["off"] = float(np.abs(whole.depth(placed)).mean() / lattice.spacing)
-        figures["turn"] = _turn(whole.depth, placed, vertex_normals(mesh.vertices, mesh.faces), lattice.spacing)
+        figures["turn"] = _turn(whole.depth, placed, mesh.vertex_normals, lattice.spacing)
     return figures
 
 

@@ -113,7 +113,7 @@ def inpainted(path: str) -> dict[str, object]:
     found = ClosestPointFinder(pair.target.corners).find(aligned)
     points = found.interpolated(pair.target.corners)
     own = vertex_normals(aligned, pair.source.faces)
-    other = vertex_normals(pair.target.vertices, pair.target.faces)
+    other = pair.target.vertex_normals
     facing = np.einsum("nc,ncd->nd", found.shares, other[pair.target.faces[found.triangles]])
     facing /= np.linalg.norm(facing, axis=1, keepdims=True)
     reach = _NEAR * float(np.linalg.norm(np.ptp(aligned, axis=0)))

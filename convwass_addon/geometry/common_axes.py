@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mesh import TriangleMesh
-from .normals import triangle_normals
 
 # Cosine of the angle within which normals have one direction.
 _ONE_DIRECTION = np.cos(np.radians(2.0))
@@ -79,5 +78,5 @@ def face_directions(
 
 def plane_share(mesh: TriangleMesh) -> float:
     """Return the share of a surface that consists of large plane faces, which may be divided: one for a table."""
-    _, areas = face_directions(triangle_normals(mesh.corners), mesh.face_areas, _TRIED)
+    _, areas = face_directions(mesh.face_normals, mesh.face_areas, _TRIED)
     return float(areas[areas >= _PLANE * mesh.area].sum() / mesh.area)

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from .common_axes import face_directions, found_for_all, normal_axes
 from .coverage import overlap
 from .mesh import TriangleMesh
-from .normals import triangle_normals
 from .planar_fill import Boundary
 from .plane_section import all_cross, plane_section
 
@@ -84,7 +83,7 @@ def _axes(meshes: Sequence[TriangleMesh]) -> list[NDArray[np.float64]]:
     The axis is the normal of a large part of the surface, or an eigenvector of the sum of n n^T over the surface.
     """
     mesh = min(meshes, key=lambda own: len(own.faces))
-    normals, areas = triangle_normals(mesh.corners), mesh.face_areas
+    normals, areas = mesh.face_normals, mesh.face_areas
     candidates = [*face_directions(normals, areas, _DIRECTIONS)[0], *normal_axes(normals, areas)]
     found: list[NDArray[np.float64]] = []
     for axis in candidates:

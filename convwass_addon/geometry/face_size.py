@@ -21,7 +21,6 @@ from .edges import edge_use
 from .even_surface import straightened
 from .isosurface import LevelSurface
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .subdivision import with_edges_halved
 
 # Coarsening needs a choice: if there are fewer than this many vertices for each one wanted, edges are halved first.
@@ -103,7 +102,7 @@ def _closeness(mesh: TriangleMesh, size: float) -> NDArray[np.float64]:
     """
     if size <= 1.0:
         return np.ones(len(mesh.vertices))
-    normals, means = vertex_normals(mesh.vertices, mesh.faces), EdgeMeans.of(mesh)
+    normals, means = mesh.vertex_normals, EdgeMeans.of(mesh)
     first, second = means.ends.T
     turns = np.linalg.norm(normals[first] - normals[second], axis=1)
     lengths = np.linalg.norm(mesh.vertices[first] - mesh.vertices[second], axis=1)
@@ -118,5 +117,5 @@ def _enclosing(mesh: TriangleMesh, volume: float) -> TriangleMesh:
     """Shift a surface along its normals until it encloses a volume."""
     for _ in range(_SHIFTS):
         shift = float(np.clip((volume - mesh.volume) / mesh.area, -_LONGEST_SHIFT, _LONGEST_SHIFT))
-        mesh = TriangleMesh(mesh.vertices + shift * vertex_normals(mesh.vertices, mesh.faces), mesh.faces)
+        mesh = TriangleMesh(mesh.vertices + shift * mesh.vertex_normals, mesh.faces)
     return mesh

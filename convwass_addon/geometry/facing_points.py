@@ -20,7 +20,6 @@ from .barycentric import points_of_triangles
 from .chunks import chunks
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
-from .normals import triangle_normals, vertex_normals
 from .point_tree import point_tree
 
 # Points are looked up again if the cosine between their normal and the triangle's is below this.
@@ -47,7 +46,7 @@ class FacingPointFinder:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._corners = mesh.corners
         self._closest = ClosestPointFinder(mesh.corners)
-        self._normals = triangle_normals(mesh.corners)
+        self._normals = mesh.face_normals
         self._turn = _TURN * np.sqrt(mesh.area)
         self._tree: cKDTree | None = None
 
@@ -149,9 +148,9 @@ class OrientedSamples:
 
     def __init__(self, mesh: TriangleMesh, turn: float) -> None:
         self._corners, self._turn = mesh.corners, turn
-        normals = vertex_normals(mesh.vertices, mesh.faces)
+        normals = mesh.vertex_normals
         smooth = points_of_triangles(self._SHARES, normals[mesh.faces])
-        smooth += np.repeat(triangle_normals(mesh.corners), len(self._SHARES), axis=0)
+        smooth += np.repeat(mesh.face_normals, len(self._SHARES), axis=0)
         smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), np.finfo(float).tiny)
         samples = points_of_triangles(self._SHARES, mesh.corners)
         self._tree = point_tree(np.concatenate([samples, turn * smooth], axis=1))

@@ -44,7 +44,7 @@ def without_folds(
         The displacements; at triangles that they would flip, those to the mean of the neighbors, or smaller ones.
     """
     facing = mean_directions(normals, mesh.faces)
-    before = np.einsum("md,md->m", triangle_normals(mesh.corners), facing)
+    before = np.einsum("md,md->m", mesh.face_normals, facing)
     is_folded = np.zeros(len(mesh.faces), bool)
 
     def folded(displaced: NDArray[np.float64], rows: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -19,7 +19,6 @@ from scipy.spatial import cKDTree
 
 from .edges import edge_lengths, mesh_edges
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .touching_balls import ball_radii
 
 # Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
@@ -94,7 +93,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     mesh : TriangleMesh
         Closed, oriented outward, connected; every vertex is used.
     """
-    normals = vertex_normals(mesh.vertices, mesh.faces)
+    normals = mesh.vertex_normals
     tree = cKDTree(_surface_samples(mesh))
     radii = ball_radii(mesh.vertices, normals, tree, 0.5 * mesh.diagonal)
     centers = mesh.vertices - radii[:, None] * normals
@@ -118,7 +117,7 @@ def touching_radii(mesh: TriangleMesh, chosen: NDArray[np.int64]) -> NDArray[np.
     chosen : (k,) int64
         The vertices.
     """
-    normals = vertex_normals(mesh.vertices, mesh.faces)
+    normals = mesh.vertex_normals
     samples = _surface_samples(mesh)
     tree = cKDTree(samples[:: max(1, len(samples) // _MOST_SAMPLES)])
     return ball_radii(mesh.vertices[chosen], normals[chosen], tree, 0.5 * mesh.diagonal)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..one_line import one_line
-from .normals import cross_coordinates
+from .normals import cross_coordinates, triangle_normals, vertex_normals
 
 # Relative height of points that lie in a plane.
 _LEVEL = 1e-9
@@ -113,6 +113,16 @@ class TriangleMesh:
         a, b, c = self._corners_by_coordinate(self.vertices)
         x, y, z = cross_coordinates(b - a, c - a)
         return 0.5 * np.sqrt(x * x + y * y + z * z)
+
+    @property
+    def vertex_normals(self) -> NDArray[np.float64]:
+        """Area-weighted unit normals of the vertices, (n, 3); zero for vertices without triangles."""
+        return vertex_normals(self.vertices, self.faces)
+
+    @property
+    def face_normals(self) -> NDArray[np.float64]:
+        """Unit normals of the triangles, (m, 3); zero for triangles without area."""
+        return triangle_normals(self.corners)
 
     def _corners_by_coordinate(self, vertices: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """First, second and third corners of the triangles, (3, m) each."""

@@ -13,7 +13,6 @@ from scipy.spatial import cKDTree
 from .chunks import chunks
 from .closest_points import TriangleSamples
 from .mesh import TriangleMesh
-from .normals import triangle_normals
 from .point_tree import point_tree
 
 # Number of planes tried, number of points of a shape that are mirrored, and the largest distance that is measured.
@@ -113,7 +112,7 @@ def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     """
     samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
     points = (samples.points - mesh.area_center) / size
-    normals = triangle_normals(mesh.corners)[samples.triangles]
+    normals = mesh.face_normals[samples.triangles]
     tree = point_tree(np.hstack([points, _NORMALS * normals]))
     # Small triangles have more samples than large ones of the same total area.
     shares = samples.divided(mesh.face_areas) / mesh.area

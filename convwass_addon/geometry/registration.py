@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPoints
 from .label_sums import label_sums
-from .normals import triangle_normals, vertex_normals
+from .normals import vertex_normals
 from .point_tree import point_tree
 from .unit_shape import TURN, UnitShape
 
@@ -150,7 +150,7 @@ class Registration:
         self.pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
         self.reach = np.inf
         self._shape, self._samples = source.elastic.unsolved(), target.samples
-        self._facing = triangle_normals(target.mesh.corners)
+        self._facing = target.mesh.face_normals
         self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 
     def advance(self, stages: Sequence[Stage], control: Control = UNINTERRUPTED) -> None:

@@ -15,7 +15,7 @@ from .coverage import overlap
 from .cross_sections import CrossSection, cross_section_of
 from .line_cuts import beyond_line
 from .mesh import TriangleMesh
-from .normals import triangle_normals, unit_vectors
+from .normals import unit_vectors
 from .planar_fill import Boundary
 from .plane_section import all_cross, plane_section
 from .ring_nesting import without_slivers
@@ -111,7 +111,7 @@ class BareSurface:
         if len(faces) > _ENOUGH:
             faces = faces[np.random.default_rng(0).integers(len(faces), size=_ENOUGH)]
         some = TriangleMesh(mesh.vertices, faces)
-        return cls(mesh, some.corners.mean(axis=1), triangle_normals(some.corners), some.face_areas)
+        return cls(mesh, some.corners.mean(axis=1), some.face_normals, some.face_areas)
 
 
 def found_about(

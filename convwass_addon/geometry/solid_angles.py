@@ -12,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 from .chunks import chunks
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
-from .normals import triangle_normals
 
 # Pairs of a point and a triangle processed together; each needs a few hundred bytes.
 _PAIRS = 1 << 18
@@ -80,7 +79,7 @@ class Inside:
     def __init__(self, mesh: TriangleMesh) -> None:
         self._mesh = mesh
         self._closest = ClosestPointFinder(mesh.corners)
-        self._normals = triangle_normals(mesh.corners)
+        self._normals = mesh.face_normals
         self._size = mesh.diagonal
 
     def winding(self, points: ArrayLike) -> NDArray[np.float64]:

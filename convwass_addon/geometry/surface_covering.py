@@ -18,7 +18,7 @@ from .edge_laplacian import edge_laplacian
 from .facing_points import FacingPointFinder
 from .factorization import factorize
 from .mesh import TriangleMesh
-from .normals import triangle_normals, vertex_normals
+from .normals import vertex_normals
 
 _ROUNDS = 10
 # Distances beyond this, relative to the square root of the surface's area, have little weight.
@@ -43,8 +43,8 @@ def covering(mesh: TriangleMesh, surface: TriangleMesh, control: Control = UNINT
     control : Control
         Stops the work.
     """
-    finder, facing = FacingPointFinder(surface), triangle_normals(surface.corners)
-    wanted = vertex_normals(surface.vertices, surface.faces)
+    finder, facing = FacingPointFinder(surface), surface.face_normals
+    wanted = surface.vertex_normals
     size, points = np.sqrt(surface.area), mesh.vertices
     for number in range(_ROUNDS):
         control.check()

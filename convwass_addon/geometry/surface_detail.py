@@ -34,7 +34,7 @@ from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
 from .missed_rims import FARTHEST, MissedRims, missed_rims
-from .normals import mean_directions, triangle_normals, unit_vectors, vertex_normals
+from .normals import mean_directions, triangle_normals, unit_vectors
 from .steps import linear_step
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
@@ -376,7 +376,7 @@ class _Laid:
 
 def _even_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return vertex normals, averaged with those of the neighbors."""
-    normals, means = vertex_normals(mesh.vertices, mesh.faces), EdgeMeans.of(mesh)
+    normals, means = mesh.vertex_normals, EdgeMeans.of(mesh)
     return unit_vectors(normals + means.mean_points(normals))
 
 

@@ -19,7 +19,7 @@ from .edge_laplacian import edge_laplacian
 from .facing_points import FacingPointFinder
 from .factorization import factorize
 from .mesh import TriangleMesh
-from .normals import triangle_normals, vertex_normals
+from .normals import vertex_normals
 
 PROJECTION_ROUNDS = 3
 """Number of rounds of a projection."""
@@ -57,7 +57,7 @@ def projection_rounds(
         Stops the work.
     """
     smoothness = _SMOOTHNESS * edge_laplacian(moved.faces, np.ones(len(moved.vertices)))
-    facing = triangle_normals(target.corners)
+    facing = target.face_normals
     reach = _REACH * np.sqrt(target.area)
     points = moved.vertices
     for _ in range(PROJECTION_ROUNDS):

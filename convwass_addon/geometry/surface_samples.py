@@ -14,7 +14,6 @@ from scipy.sparse.csgraph import dijkstra
 from .edges import edge_lengths, vertex_components
 from .far_points import far_points
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .point_tree import point_tree
 
 # Positions along the line between two samples that must lie in the solid, those first that are most often outside, and
@@ -78,7 +77,7 @@ class SurfaceSamples:
 
 def _inside_solid(mesh: TriangleMesh, ends: NDArray[np.int64], outside: float) -> NDArray[np.bool_]:
     """Return which lines between two vertices leave the solid by less than `outside`, (p,)."""
-    normals, tree = vertex_normals(mesh.vertices, mesh.faces), point_tree(mesh.vertices)
+    normals, tree = mesh.vertex_normals, point_tree(mesh.vertices)
     inside = np.ones(len(ends), bool)
     for share in _BETWEEN:
         left = np.flatnonzero(inside)

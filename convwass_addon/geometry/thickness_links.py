@@ -14,7 +14,6 @@ from scipy.spatial import cKDTree
 
 from .edges import mesh_edges, vertex_components
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .opposite_sides import opposite_sides
 from .poisson_deformation import Links
 
@@ -49,7 +48,7 @@ def _opposite_vertices(mesh: TriangleMesh, edge: float) -> NDArray[np.int64]:
     """Return the nearest vertex on the opposite side for every vertex of thin parts, (k, 2), without repetitions."""
     labels = vertex_components(mesh)
     used = np.flatnonzero(labels >= 0)
-    points, normals, labels = mesh.vertices[used], vertex_normals(mesh.vertices, mesh.faces)[used], labels[used]
+    points, normals, labels = mesh.vertices[used], mesh.vertex_normals[used], labels[used]
     reach = float(np.hypot(_THIN, _LEANING)) * edge
     one, other = opposite_sides(cKDTree(points), normals, np.arange(len(used)), _NEIGHBORS, reach)
     across = points[one] - points[other]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .plane_angles import best_turn
 from .point_tree import point_tree
 from .rotation_fields import rotation_matrices
@@ -92,4 +91,4 @@ def _samples(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float6
     areas = mesh.vertex_areas
     middle = areas @ mesh.vertices / areas.sum()
     points = (mesh.vertices[chosen] - middle) / np.sqrt(mesh.area)
-    return points, vertex_normals(mesh.vertices, mesh.faces)[chosen], areas[chosen] / areas[chosen].sum()
+    return points, mesh.vertex_normals[chosen], areas[chosen] / areas[chosen].sum()

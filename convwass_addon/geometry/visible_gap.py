@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from ..progress import UNINTERRUPTED, Control
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
-from .normals import vertex_normals
 from .weighted_quantile import weighted_quantile
 
 # The fraction of both surfaces that is within the distance `most`.
@@ -41,7 +40,7 @@ class VisibleGap:
     def between(cls, mesh: TriangleMesh, surface: TriangleMesh, control: Control = UNINTERRUPTED) -> VisibleGap:
         """Measure the gap between a mesh and a closed surface that faces outward."""
         found = FacingPointFinder(surface).find_closest(mesh.vertices, control)
-        normals = found.interpolated(vertex_normals(surface.vertices, surface.faces)[surface.faces])
+        normals = found.interpolated(surface.vertex_normals[surface.faces])
         apart = mesh.vertices - found.interpolated(surface.corners)
         outside = np.where(np.einsum("nd,nd->n", apart, normals) > 0.0, found.distances, 0.0)
         uncovered = FacingPointFinder(mesh).find_closest(surface.vertices, control).distances

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from .edge_means import EdgeMeans
 from .mesh import TriangleMesh
-from .normals import area_normals, vertex_normals
+from .normals import area_normals
 from .opposite_sides import opposite_sides
 from .point_tree import point_tree
 
@@ -65,7 +65,7 @@ def with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float,
 
 def _largest_insets(mesh: TriangleMesh, most: float) -> NDArray[np.float64]:
     """Return how far vertices may move inward, (n,): less than the most where the opposite side is near."""
-    normals, tree, longest = vertex_normals(mesh.vertices, mesh.faces), point_tree(mesh.vertices), most / _THINNED
+    normals, tree, longest = mesh.vertex_normals, point_tree(mesh.vertices), most / _THINNED
     every = np.arange(len(mesh.vertices))
     if not np.isfinite(_thicknesses(tree, normals, every[::_EVERY], longest)).any():
         return np.full(len(every), most)

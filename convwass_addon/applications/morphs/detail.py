@@ -14,7 +14,6 @@ from scipy.ndimage import map_coordinates
 
 from ...geometry.distortion import vertex_distortions
 from ...geometry.facing_points import FacingShape
-from ...geometry.normals import vertex_normals
 from ...geometry.steps import linear_step, smooth_step
 from ...geometry.surface_detail import DetailedSurface, DetailSource, with_detail
 from ...progress import Control
@@ -124,7 +123,7 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
     lattice, mesh, weights = problem.lattice, frame.mesh, frame.blend.weights
     at = partial(_sampled, low=lattice.origin + lattice.centers[0], spacing=lattice.spacing, points=mesh.vertices)
     depths = np.stack([at(depth) for depth in solids.depths])
-    points = mesh.vertices + lattice.spacing * depths[..., None] * vertex_normals(mesh.vertices, mesh.faces)
+    points = mesh.vertices + lattice.spacing * depths[..., None] * mesh.vertex_normals
     near = linear_step(np.abs(depths), _UNRELATED, _RELATED)
     if frame.origins is None:
         return Starts(points, near)

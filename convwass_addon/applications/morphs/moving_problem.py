@@ -17,7 +17,6 @@ from ...geometry.closest_points import ClosestPoints
 from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
 from ...geometry.thin_spans import ThinSpans
 from ...progress import UNINTERRUPTED, Control
 from ..motions.growing_motion import GrowingMotion
@@ -302,7 +301,7 @@ class MovingProblem:
         if solved.origins is not None:
             found = zip(shapes, solved.origins, strict=True)
             return _PlacedSurface(mesh, [shape.finder.find_about(own) for shape, own in found])
-        normals = vertex_normals(mesh.vertices, mesh.faces)
+        normals = mesh.vertex_normals
         return _PlacedSurface(mesh, [own.finder.find(mesh.vertices, normals, control) for own in searched])
 
     def _lattice_around(self, shapes: Sequence[MovedShape], weights: NDArray[np.float64]) -> Lattice:

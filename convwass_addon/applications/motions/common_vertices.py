@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_normals
 from .carriers import Carrier
 
 # Shapes are scaled by at most this factor to keep their volume. They enclose one if the sum of their oriented areas is
@@ -111,6 +110,6 @@ def _length(mesh: TriangleMesh) -> float:
 
     Oriented areas of a closed surface add up to zero.
     """
-    total = mesh.face_areas @ triangle_normals(mesh.corners)
+    total = mesh.face_areas @ mesh.face_normals
     is_closed = np.linalg.norm(total) <= _OPEN * mesh.area and mesh.volume > 0.0
     return float(np.cbrt(mesh.volume)) if is_closed else 0.0

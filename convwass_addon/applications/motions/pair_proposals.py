@@ -97,7 +97,7 @@ class DraftPair:
         mesh = own.mesh
         lying = TriangleMesh(points, mesh.faces)
         images = other.finder.find(points, vertex_normals(points, mesh.faces))
-        there = vertex_normals(other.mesh.vertices, other.mesh.faces)
+        there = other.mesh.vertex_normals
         origins = FacingPointFinder(lying).find(other.mesh.vertices, there)
         home = origins.interpolated(mesh.corners)
         trip = np.linalg.norm(images.interpolated(home[other.mesh.faces]) - mesh.vertices, axis=1) / own.size

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
 from ...geometry.surface_covering import covering
 from ...geometry.surface_projection import drawn_along_normals
 from ...progress import Control, Progress, Work
@@ -95,6 +94,6 @@ def _velocities(mesh: TriangleMesh, moment: Moment, control: Control) -> NDArray
     """Return the velocities of the points of a surface that are closest to the vertices of a mesh, (n, 3)."""
     if moment.velocity is None:
         return None
-    normals = vertex_normals(mesh.vertices, mesh.faces)
+    normals = mesh.vertex_normals
     found = FacingPointFinder(moment.surface).find(mesh.vertices, normals, control)
     return found.interpolated(moment.velocity[moment.surface.faces])

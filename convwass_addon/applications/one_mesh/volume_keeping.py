@@ -21,7 +21,7 @@ from ...geometry.edge_means import EdgeMeans
 from ...geometry.edges import topology
 from ...geometry.inner_balls import touching_radii
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import area_normals, unit_vectors, vertex_normals
+from ...geometry.normals import area_normals, unit_vectors
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 
@@ -150,7 +150,7 @@ def _thickness(mesh: TriangleMesh, means: EdgeMeans, control: Control) -> NDArra
     """Return the smoothed radius of the largest balls that touch a mesh from inside, (n,)."""
     chosen = np.arange(0, len(mesh.vertices), max(1, len(mesh.vertices) // _BALLS))
     # Vertices between those with balls take the radius of the nearest that faces the same way.
-    normals = vertex_normals(mesh.vertices, mesh.faces)
+    normals = mesh.vertex_normals
     places = np.concatenate([mesh.vertices, _TURN * np.sqrt(mesh.area) * normals], axis=1)
     tree, nearest = cKDTree(places[chosen]), np.empty(len(places), np.int64)
     for some in chunks(len(places), _AT_ONCE):

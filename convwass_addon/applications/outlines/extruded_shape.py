@@ -74,7 +74,7 @@ class ExtrudedShape:
         fine, triangles, heights = _followed(section, ends, np.sqrt(extrusion.section.area))
         solid = prism(fine, heights)
         rest = TriangleMesh(solid.vertices @ frame, solid.faces)
-        parents = FacingPointFinder(mesh).find(rest.corners.mean(axis=1), triangle_normals(rest.corners)).triangles
+        parents = FacingPointFinder(mesh).find(rest.corners.mean(axis=1), rest.face_normals).triangles
         shares = barycentric_coordinates(section.corners[triangles], fine.vertices[:, None])[:, 0]
         places = ClosestPoints(np.tile(triangles, 2), np.tile(shares, (2, 1)), np.zeros(len(rest.vertices)))
         relative = (solid.vertices[:, 2] - extrusion.low) / (extrusion.high - extrusion.low)

@@ -13,7 +13,7 @@ from scipy.sparse import diags_array
 from ...geometry.factorization import factorize
 from ...geometry.laplacian import Laplacian
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import unit_vectors, vertex_normals
+from ...geometry.normals import unit_vectors
 from ...geometry.quotients import quotients
 from .surface_maps import PointMap
 
@@ -63,7 +63,7 @@ def map_frames(points: PointMap, receiver: TriangleMesh, giver: TriangleMesh, st
     theirs = np.stack([there[:, 1] - there[:, 0], there[:, 2] - there[:, 0]], axis=1)
     up = np.cross(own[:, 0], own[:, 1])
     area = np.linalg.norm(up, axis=1)
-    facing = unit_vectors(points.at(giver, vertex_normals(giver.vertices, giver.faces))[faces].sum(axis=1))
+    facing = unit_vectors(points.at(giver, giver.vertex_normals)[faces].sum(axis=1))
     spanned = np.cross(theirs[:, 0], theirs[:, 1])
     # If the map reverses orientation, so do most triangles of images.
     side = 1.0 if np.einsum("nd,nd->", spanned, facing) >= 0 else -1.0

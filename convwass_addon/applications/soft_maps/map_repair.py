@@ -18,7 +18,6 @@ from ...geometry.facing_points import FacingPointFinder
 from ...geometry.factorization import factorize
 from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
 from ...sentence import Sentence
 from .map_frames import map_frames, nearest_turns
 from .surface_maps import PointMap, SurfaceMap
@@ -115,7 +114,7 @@ def _filled(
     gradients = np.swapaxes(turns, 1, 2) * np.exp(shrinks)[:, None, None]
     pulls = energy.pulls(gradients[own.faces].mean(axis=1))[unknown]
     places = extended(points.at(other, other.vertices)[known], pulls)
-    normals = vertex_normals(own.vertices, own.faces)[unknown]
+    normals = own.vertex_normals[unknown]
     # Both surfaces face outward, even if the map reverses orientation.
     facing = np.einsum("nji,nj->ni", turns[unknown], normals)
     landed = _projected(points, other, known, places, facing)
