@@ -17,7 +17,7 @@ from .coarsening import coarsened
 from .cubic_sampling import cubic_samples
 from .edge_flips import with_flipped_edges
 from .edge_means import EdgeMeans
-from .edges import edge_use
+from .edges import edge_lengths, edge_use
 from .even_surface import straightened
 from .isosurface import LevelSurface
 from .mesh import TriangleMesh
@@ -105,7 +105,7 @@ def _closeness(mesh: TriangleMesh, size: float) -> NDArray[np.float64]:
     normals, means = mesh.vertex_normals, EdgeMeans.of(mesh)
     first, second = means.ends.T
     turns = np.linalg.norm(normals[first] - normals[second], axis=1)
-    lengths = np.linalg.norm(mesh.vertices[first] - mesh.vertices[second], axis=1)
+    lengths = edge_lengths(mesh.vertices, means.ends)
     curvatures = np.zeros(len(mesh.vertices))
     for ends in (first, second):
         np.maximum.at(curvatures, ends, turns / np.maximum(lengths, np.finfo(float).tiny))

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from .edges import mesh_edges, vertex_components
+from .edges import edge_lengths, mesh_edges, vertex_components
 from .mesh import TriangleMesh
 from .opposite_sides import opposite_sides
 from .poisson_deformation import Links
@@ -37,9 +37,9 @@ def thickness_links(mesh: TriangleMesh) -> Links:
     ends = mesh_edges(mesh.faces)
     if not len(ends):
         return Links.none()
-    edge = float(np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1).mean())
+    edge = float(edge_lengths(mesh.vertices, ends).mean())
     pairs = _opposite_vertices(mesh, edge)
-    lengths = np.linalg.norm(mesh.vertices[pairs[:, 0]] - mesh.vertices[pairs[:, 1]], axis=1)
+    lengths = edge_lengths(mesh.vertices, pairs)
     weights = _WEIGHT * np.minimum(edge / lengths, _SHORTEST) ** 2
     return Links(pairs, weights, np.ones(len(pairs), bool))
 
