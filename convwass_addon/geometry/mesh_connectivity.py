@@ -9,7 +9,7 @@ import numpy as np
 from ..progress import UNINTERRUPTED, Control
 from .coarse_cells import CoarseCells
 from .connectivity import Connectivity
-from .edges import edge_use, face_components, topology
+from .edges import face_components, topology
 from .mesh import TriangleMesh
 from .welding import welded
 from .winding import lattice_winding
@@ -37,7 +37,7 @@ def mesh_connectivity(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> C
         None if the surface does not determine them: it is open, not a manifold, or its components overlap.
     """
     whole = welded(mesh)
-    if not len(whole.faces) or not topology(whole, edge_use(whole.faces)).closed:
+    if not len(whole.faces) or not topology(whole).closed:
         return None
     of_faces = face_components(whole.faces)
     of_vertices = np.empty(len(whole.vertices), np.int64)

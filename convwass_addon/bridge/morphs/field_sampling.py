@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...geometry.bounds import common_bounds
 from ...geometry.centroid import centroid
-from ...geometry.edges import edge_use, topology
+from ...geometry.edges import topology
 from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
@@ -272,7 +272,7 @@ def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int], control: Con
     """
     whole = welded(mesh)
     control.check()
-    if len(whole.faces) and topology(whole, edge_use(whole.faces)).closed:
+    if len(whole.faces) and topology(whole).closed:
         outward = orient_outward(whole)
         control.check()
         filled = occupancy(outward.corners + 0.5, shape, control)
