@@ -45,25 +45,21 @@ class InputLayers:
         return np.where(found == top, found - second, found - top)
 
 
-def input_layers(
-    shapes: Sequence[FlatInput], centers: NDArray[np.float64], lattice: FlatLattice
-) -> tuple[InputLayers, ...]:
+def input_layers(shapes: Sequence[FlatInput], lattice: FlatLattice) -> tuple[InputLayers, ...]:
     """Draw the layers of shapes on a grid; return nothing if no shape has several colors, or if one has none.
 
     Parameters
     ----------
     shapes : sequence of FlatShape or FlatImage
         The inputs.
-    centers : (k, 2)
-        Position of the grid on each shape.
     lattice : FlatLattice
-        The grid.
+        The grid, with the center of every shape.
     """
     if any(isinstance(shape, FlatImage) or shape.colors is None for shape in shapes):
         return ()
     if all(len(layers_of(shape)) == 1 for shape in shapes):
         return ()
-    return tuple(_drawn(shape, lattice, center) for shape, center in zip(shapes, centers, strict=True))
+    return tuple(_drawn(shape, lattice, center) for shape, center in zip(shapes, lattice.centers, strict=True))
 
 
 def _drawn(shape: FlatInput, lattice: FlatLattice, center: NDArray[np.float64]) -> InputLayers:

@@ -62,7 +62,7 @@ class FlatMovingProblem:
             return (own.boundary.bounds for part in motion.moved(weights) for own in part if own is not None)
 
         lattice = still.lattice.holding(room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control))
-        layers = input_layers(shapes, lattice.centers, lattice) if still.layers else ()
+        layers = input_layers(shapes, lattice) if still.layers else ()
         return cls(still.on(lattice, layers), motion)
 
     def frame(self, blend: Blend, control: Control) -> FlatFrame:

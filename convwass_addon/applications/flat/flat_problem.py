@@ -155,7 +155,7 @@ def flat_problem(
         tuple(lattice.to_scene(own.outline, alone) for own, alone in zip(drawn, np.eye(len(drawn)), strict=True)),
         tuple(map(FlatConnectivity.of, drawn)),
         silhouettes,
-        input_layers(shapes, lattice.centers, lattice) if settings.carry else (),
+        input_layers(shapes, lattice) if settings.carry else (),
     )
 
 
