@@ -21,7 +21,7 @@ from convwass_addon.bridge.morphs.player import make_player, pace, refresh_playe
 from convwass_addon.bridge.morphs.player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, is_player, morph_value
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.retiming import keyed_span
-from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, set_shown, shown_morph, stand_ins
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, show_frames, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.objects import triangle_mesh
@@ -347,7 +347,7 @@ def test_a_linked_collection_plays_in_another_file(collection, tmp_path):
 def test_a_morph_whose_player_an_earlier_version_made_is_shown_again(collection, bare_scene):
     """The player is outside the morph's collection, which is hidden."""
     shown, player = heights([FIRST + 1]), make_player(collection)
-    set_shown(collection, True)
+    show_frames(collection)
     collection.hide_viewport = collection.hide_render = True
     collection.objects.unlink(player)
     bare_scene.collection.objects.link(player)

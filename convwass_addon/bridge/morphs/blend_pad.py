@@ -32,7 +32,7 @@ from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_inputs import HANDLE, HANDLE_VELOCITY, PAD
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
-from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
+from .stand_ins import adopt, collections_for_stand_ins, hide_frames, require_none
 from .stored import frame_objects, frame_weights, interpolates, stored_morph
 from .stored_fields import StoredFields
 
@@ -157,7 +157,7 @@ def build_blend_pad(collection: bpy.types.Collection, *, sampled: SampledFields 
     result[PLACE_KEY] = result.location
     shown = [obj.modifiers[MODIFIER].node_group for obj in parts.objects if MODIFIER in obj.modifiers]
     adopt(collection, [parts, *parts.objects, *(block for tree in shown for block in made_for(tree))])
-    set_shown(collection, False)
+    hide_frames(collection)
     return BlendPad(pad, handle, result)
 
 

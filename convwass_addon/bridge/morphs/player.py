@@ -52,9 +52,9 @@ from .stand_ins import (
     collections_for_stand_ins,
     drop_numbers,
     frames_modifier,
+    hide_frames,
     remove_unused,
     require_none,
-    set_shown,
     stand_ins,
 )
 from .stored import (
@@ -130,7 +130,7 @@ def build_player(
     _key(morph_value(player), frames, frame_times(collection), easing)
     if playback != "ONCE":
         repeat(morph_value(player).curve())
-    set_shown(collection, False)
+    hide_frames(collection)
     return player
 
 

@@ -136,7 +136,7 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
     for other in marked_by(collection, bpy.data.collections):
         if not other.objects and not other.children:
             bpy.data.collections.remove(other)
-    set_shown(collection, True)
+    show_frames(collection)
 
 
 def remove_unused(collection: bpy.types.Collection) -> None:
@@ -150,19 +150,20 @@ def remove_unused(collection: bpy.types.Collection) -> None:
     _remove_unused_assets(marked_by(collection, bpy.data.materials))
 
 
-def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
-    """Show or hide the frame objects of a morph in all viewports and renders, without changing their own visibility.
+def hide_frames(collection: bpy.types.Collection) -> None:
+    """Hide the frame objects of a morph in all viewports and renders, without changing their own visibility.
 
-    Hidden frame objects are in a subcollection of the morph, so that the morph can be linked or appended with its
-    player.
+    They are moved to a subcollection of the morph, so that the morph can be linked or appended with its player.
     """
-    hidden = hidden_frames(collection)
-    if not shown:
-        hidden = hidden or _made_hidden(collection)
-        _move(frame_objects(collection), collection, hidden)
-        return
+    hidden = hidden_frames(collection) or _made_hidden(collection)
+    _move(frame_objects(collection), collection, hidden)
+
+
+def show_frames(collection: bpy.types.Collection) -> None:
+    """Show the frame objects of a morph again, as far as their own visibility allows."""
     # Earlier versions hid the collection itself.
     collection.hide_viewport = collection.hide_render = False
+    hidden = hidden_frames(collection)
     if hidden is not None:
         _move(list(hidden.objects), hidden, collection)
         bpy.data.collections.remove(hidden)
