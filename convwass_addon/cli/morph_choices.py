@@ -16,15 +16,12 @@ from ..applications.morphs.layouts import Blend
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
-from ..bridge.morphs.exports import FORMATS
+from ..bridge.morphs.exports import SUFFIXES
 from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import SHAPE_KEYS, folder_beside
 from ..errors import InputError
 from .from_schema import given_options, given_settings
-
-SUFFIXES = {suffix: name for name, form in FORMATS.items() for suffix in form.suffixes}
-"""The export format of every file extension."""
 
 # Options and settings of a request that only apply to frames.
 _OF_FRAMES = ("weights", "render", "at", "frames_range", "cache", "scheduler")

@@ -10,11 +10,11 @@ from pathlib import Path
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
+from ..bridge.morphs.exports import SUFFIXES
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import ON_DISK, PACKED, SHAPE_KEYS
 from .argument_types import WORKERS, frame_range, numbers
 from .from_schema import add_setting_options
-from .morph_choices import SUFFIXES
 
 MORPH_HELP = """Morph shapes of any topology into each other by optimal transport and save the result as a .blend.
 

@@ -125,10 +125,9 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
 
 def format_of(path: Path) -> str:
     """Return the format of a file by its extension; raises InputError if there is none."""
-    found = {suffix: name for name, chosen in FORMATS.items() for suffix in chosen.suffixes}
-    if path.suffix.lower() not in found:
-        raise InputError("{name}: the extension must be one of {endings}.", name=path.name, endings=", ".join(found))
-    return found[path.suffix.lower()]
+    if path.suffix.lower() not in SUFFIXES:
+        raise InputError("{name}: the extension must be one of {endings}.", name=path.name, endings=", ".join(SUFFIXES))
+    return SUFFIXES[path.suffix.lower()]
 
 
 def _frames_per_second(frames: Sequence[bpy.types.Object], span: range) -> float:
@@ -144,9 +143,8 @@ def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
         target /= file_stem(name)
     if target.suffix.lower() in chosen.suffixes:
         return target
-    known = {".blend", *(suffix for other in FORMATS.values() for suffix in other.suffixes)}
     # Other dots belong to the name: "walk.v2" becomes "walk.v2.obj".
-    stem = target.stem if target.suffix.lower() in known else target.name
+    stem = target.stem if target.suffix.lower() in (".blend", *SUFFIXES) else target.name
     return target.with_name(stem + chosen.suffixes[0])
 
 
@@ -321,3 +319,6 @@ FORMATS: dict[str, _Format] = {
     ),
 }
 """The formats of `export_frames`."""
+
+SUFFIXES = {suffix: name for name, chosen in FORMATS.items() for suffix in chosen.suffixes}
+"""The format of every file extension."""
