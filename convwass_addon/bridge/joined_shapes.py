@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 
 import bpy
@@ -90,14 +90,12 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
         bpy.data.batch_remove([obj, mesh])
 
 
-@contextmanager
-def current_shapes(sources: Sequence[ShapeSource], depsgraph: bpy.types.Depsgraph) -> Iterator[None]:
+def current_shapes(sources: Sequence[ShapeSource], depsgraph: bpy.types.Depsgraph) -> AbstractContextManager[None]:
     """Keep shapes evaluated in their current state during a block of code that reads them with `joined_shape`.
 
     Blender rebuilds its graph to show hidden parts, here once for all.
     """
-    with current_objects(_independent_parts(sources), depsgraph):
-        yield
+    return current_objects(_independent_parts(sources), depsgraph)
 
 
 def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> bpy.types.NodeSocket | None:

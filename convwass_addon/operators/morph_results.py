@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -316,9 +315,7 @@ def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJ
         play_whole(scene, *job.span)
 
 
-@contextmanager
-def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
+def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> AbstractContextManager[None]:
     """Make a morph active for operators, although it is excluded from the view layer or in another scene."""
     nothing = {"object": None, "active_object": None, "selected_objects": []}
-    with in_scene(scene, collection=morph, **nothing):
-        yield
+    return in_scene(scene, collection=morph, **nothing)

@@ -9,8 +9,8 @@ L_v^-1 (p - x), where b is the vertex in the first key. Other modifiers are appl
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 
 import bpy
@@ -75,11 +75,9 @@ class RestMesh:
         return MirrorSymmetry.of(points, MirrorPlane(np.zeros(3), np.array([1.0, 0.0, 0.0])), obj.name)
 
 
-@contextmanager
-def armature_last(obj: bpy.types.Object) -> Iterator[None]:
+def armature_last(obj: bpy.types.Object) -> AbstractContextManager[None]:
     """Hide modifiers after the armatures of an object temporarily; does nothing if there are none."""
-    with hidden_modifiers(_shown_after(obj, armatures(obj))):
-        yield
+    return hidden_modifiers(_shown_after(obj, armatures(obj)))
 
 
 def pose_notices(obj: bpy.types.Object) -> list[Sentence]:
