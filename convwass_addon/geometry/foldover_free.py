@@ -187,7 +187,7 @@ class _Energy:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, start: NDArray[np.float64]) -> _Energy:
-        corners = mesh.vertices[mesh.faces][..., :2]
+        corners = mesh.corners[..., :2]
         doubled = doubled_areas(corners)
         kept = doubled > 1e-12 * np.abs(doubled).sum()
         faces, corners, doubled = mesh.faces[kept], corners[kept], doubled[kept]

@@ -159,7 +159,7 @@ def _bodies(shape: TriangleMesh) -> list[Body]:
     if not 2 <= count <= _MOST_COMPONENTS or (labels < 0).any():
         return []
     boxes = np.stack([bounds_of(shape.vertices[components == own]) for own in range(count)])
-    groups = _groups(boxes, _GAP * float(np.linalg.norm(np.ptp(shape.bounds, axis=0))))[labels]
+    groups = _groups(boxes, _GAP * shape.diagonal)[labels]
     found = [Body.of(shape, np.flatnonzero(groups == group)) for group in range(int(groups.max()) + 1)]
     sizes = np.sqrt([body.mesh.area for body in found])
     return found if sizes.min() >= _COMPARABLE * sizes.max() else []
