@@ -54,6 +54,10 @@ class MirrorPlane:
         """Return the mirror images of points, (n, 3)."""
         return points - 2.0 * self.heights(points)[:, None] * self.normal
 
+    def mirrored_directions(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mirror images of directions, (n, 3)."""
+        return directions - 2.0 * (directions @ self.normal)[:, None] * self.normal
+
 
 MirrorPlanes = tuple[MirrorPlane, MirrorPlane]
 """The planes of two shapes."""

@@ -15,12 +15,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.closest_points import ClosestPoints
+from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlanes, common_mirror_planes
+from ...geometry.steps import linear_step
 
 # A map commutes with the reflections where both ways lead to points that are this close, in sizes of the surface.
 _CLOSE = 0.12
+# A place is symmetric if its mirror image is this close to the surface, in sizes of it, and is not from the second
+# distance on. A leg that is ahead of the other one is not symmetric.
+_SYMMETRIC, _ASYMMETRIC = 0.025, 0.05
 # Weight of heights relative to sides. Without, a cactus becomes a child that stands on its head. With half, it stays
 # upright, as does a chair that becomes a man; from 0.7 on, a dog no longer becomes a bird symmetrically.
 _UPRIGHT = 0.5
@@ -82,12 +87,23 @@ class MirroredSides:
         return self.groups(0), self.groups(1)
 
     @cached_property
+    def _finders(self) -> list[FacingPointFinder]:
+        """Finders of points on both shapes."""
+        return [FacingPointFinder(mesh) for mesh in self.meshes]
+
+    @cached_property
     def _images(self) -> list[ClosestPoints]:
-        """The mirror images of the vertices of both shapes, on the shapes."""
-        return [
-            ClosestPointFinder(mesh.corners).find_about(plane.mirrored(mesh.vertices))
-            for mesh, plane in zip(self.meshes, self.planes, strict=True)
-        ]
+        """The mirror images of the vertices of both shapes, on the shapes: of an ear, on the same side of the other."""
+        found = []
+        for finder, mesh, plane in zip(self._finders, self.meshes, self.planes, strict=True):
+            images, normals = plane.mirrored(mesh.vertices), plane.mirrored_directions(mesh.vertex_normals)
+            found.append(finder.find(images, normals))
+        return found
+
+    @cached_property
+    def _asymmetries(self) -> list[NDArray[np.float64]]:
+        """Distances of the mirror images of the vertices of both shapes from the shapes, (n,), in sizes."""
+        return [images.distances / np.sqrt(mesh.area) for images, mesh in zip(self._images, self.meshes, strict=True)]
 
     def mirrored(self, k: int, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values at the vertices of shape k, (n, ...), at the mirror images of the vertices instead."""
@@ -101,6 +117,35 @@ class MirroredSides:
     def apart(self, k: int, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distances of a map from what it is in the mirror, (n,), in sizes of the surface mapped to."""
         return np.linalg.norm(points - self.mirrored_map(k, points), axis=1) / np.sqrt(self.meshes[1 - k].area)
+
+    def evened_map(self, k: int, points: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return a map of shape k that is its own mirror image where both shapes are.
+
+        Parameters
+        ----------
+        k : int
+            The shape that is mapped.
+        points : (n, 3) float64
+            Points on or near the other one, for the vertices of this one.
+        costs : (n,) float64
+            Costs of these points.
+
+        Returns
+        -------
+        (n, 3) float64
+            The mean of the map and its mirror image; where they are apart, the one of lower cost.
+        """
+        image, elsewhere = self.mirrored_map(k, points), self.mirrored(k, costs)
+        best = np.where((elsewhere < costs)[:, None], image, points)
+        even = np.where((self.apart(k, points) <= _CLOSE)[:, None], 0.5 * (points + image), best)
+        return points + self._symmetric(k, points)[:, None] * (even - points)
+
+    def _symmetric(self, k: int, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where both shapes are symmetric, from 0 to 1: the vertices of shape k, and the points mapped to."""
+        there = self._finders[1 - k].find_closest(points)
+        corners = self._asymmetries[1 - k][self.meshes[1 - k].faces]
+        larger = np.maximum(self._asymmetries[k], there.interpolated(corners[..., None])[:, 0])
+        return linear_step(larger, _ASYMMETRIC, _SYMMETRIC)
 
     def kept(self, maps: Sequence[NDArray[np.float64]]) -> float:
         """Return the share of the surface where maps are close to what they are in the mirror.

@@ -210,6 +210,15 @@ def symmetrized(drafts: DraftPair, found: list[Proposal], sides: MirroredSides) 
     return list(both_ways(improved))
 
 
+def evened(drafts: DraftPair, found: list[Proposal], sides: MirroredSides) -> list[Proposal]:
+    """Make registrations symmetric where both shapes are, without registering them again."""
+
+    def even(k: int) -> Proposal:
+        return drafts.judged(k, sides.evened_map(k, found[k].points, found[k].costs))
+
+    return list(both_ways(even))
+
+
 def agree(
     drafts: DraftPair,
     found: Sequence[Proposal | Registered],

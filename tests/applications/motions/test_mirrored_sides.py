@@ -10,12 +10,16 @@ from convwass_addon.applications.motions import map_survey
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides
 from convwass_addon.applications.motions.pair_proposals import DraftPair, symmetrized, total_cost
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.applications.motions.pair_registration import _tightened
+from convwass_addon.geometry.mesh import TriangleMesh, joined_meshes
+from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure
+from tests.shapes import box
 
 FIGURE, MIRROR = figure(10)
 NO_PAIRS = np.empty((0, 2), np.int64)
@@ -69,6 +73,55 @@ def test_what_a_registration_gets_right_on_one_side_is_taken_for_the_other():
     assert total_cost(drafts, better, sides) < 0.5 * total_cost(drafts, found, sides)
     off = [np.linalg.norm(own.points - mesh.vertices, axis=1)[arm].mean() for own in (found[0], better[0])]
     assert off[0] > 2.0 and off[1] < 0.1
+
+
+def test_maps_become_their_own_mirror_image(sides):
+    """Of small errors, the part remains that is the same on both sides."""
+    even = 0.03 * np.abs(FIGURE.vertices) * [0.0, 1.0, 1.0]
+    odd = 0.05 * np.sin(FIGURE.vertices[:, :1]) * [0.0, 1.0, 1.0]
+    found = sides.evened_map(0, FIGURE.vertices + even + odd, np.zeros(len(FIGURE.vertices)))
+    np.testing.assert_allclose(found, FIGURE.vertices + even, atol=0.01)
+
+
+def test_of_two_sides_that_differ_the_one_of_lower_cost_counts(sides):
+    arm = (FIGURE.vertices[:, 0] > 0.8) & (FIGURE.vertices[:, 2] > 0.0)
+    wrong = np.where(arm[:, None], FIGURE.vertices * [-1.0, 1.0, 1.0], FIGURE.vertices)
+    found = sides.evened_map(0, wrong, arm.astype(float))
+    np.testing.assert_allclose(found, FIGURE.vertices, atol=0.03)
+
+
+def test_what_is_not_symmetric_keeps_its_map():
+    """A leg that is ahead of the other one is not drawn back."""
+    leg = FIGURE.vertices[:, 2] < -0.9
+    ahead = leg & (FIGURE.vertices[:, 0] > 0.2)
+    pose = TriangleMesh(FIGURE.vertices + ahead[:, None] * [0.0, 0.7, 0.0], FIGURE.faces)
+    stepping = MirroredSides((FIGURE, pose), MirroredSides.of(FIGURE, FIGURE).planes)
+    shifted = pose.vertices + leg[:, None] * [0.1, 0.0, 0.0]
+    found = stepping.evened_map(0, shifted, np.zeros(len(shifted)))
+    feet = (FIGURE.vertices[:, 2] < -1.3) & (np.abs(FIGURE.vertices[:, 0]) > 0.3)
+    np.testing.assert_allclose(found[feet], shifted[feet], atol=0.02)
+
+
+def test_mirror_images_stay_on_the_same_side_of_thin_parts():
+    """Fronts and backs of two leaves that are nearer to each other than their mirror images are to them."""
+    leaves = [box((0.7, 0.02, 1.0), center) for center in ((0.7, 0.0, 0.0), (-0.7, 0.015, 0.0))]
+    both = joined_meshes(leaves)
+    plane = MirrorPlane(np.zeros(3), np.array([1.0, 0.0, 0.0]))
+    sides = MirroredSides((both, both), (plane, plane))
+    is_front = np.isin(both.vertices[:, 1].round(3), (-0.01, 0.005))
+    np.testing.assert_allclose(sides.mirrored(0, is_front.astype(float)), is_front, atol=1e-6)
+
+
+def test_tightened_registrations_of_symmetric_shapes_are_symmetric():
+    """Robust weights decide otherwise on the left than on the right."""
+    carriers = tuple(carrier_of(animal(name), name, 500, UNINTERRUPTED) for name in ("cow", "dog"))
+    sides, drafts = MirroredSides.of(*(own.mesh for own in carriers)), DraftPair(carriers, NO_PAIRS, UNINTERRUPTED)
+    starts = [Laid(own.mesh.vertices, np.ones(len(own.mesh.vertices))) for own in carriers]
+    apart = [
+        [own.mesh.vertex_areas @ sides.apart(k, found[k].points) / own.mesh.area for k, own in enumerate(carriers)]
+        for found in (_tightened(drafts, starts, some) for some in (None, sides))
+    ]
+    assert min(apart[0]) > 0.02 and max(apart[1]) < 0.01
 
 
 def animal(name):
