@@ -8,9 +8,11 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
+from convwass_addon.bridge.morphs.removal import delete_morph, remove_bake
 from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs, stored_settings
 from convwass_addon.bridge.one_mesh.baked_keys import SWAP_KEY
 from tests.operators.morphs import add
+from tests.scene import select_only
 
 
 @pytest.fixture
@@ -126,6 +128,30 @@ def test_the_frames_of_a_player_need_the_shapes_hidden_too(shapes):
     delete(morph)
     assert hidden(*shapes) == [BOTH, BOTH]
     delete(bpy.context.scene.collection.children[0])
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+def test_a_player_is_shown_again_when_all_frames_made_from_it_are_deleted(shapes):
+    bake(output="PLAYER")
+    player, made = bpy.context.object, []
+    for _ in range(2):
+        player.hide_viewport = False
+        select_only(player)
+        bpy.context.view_layer.objects.active = player
+        bpy.ops.convwass.bake_player()
+        made.append(bpy.context.object.users_collection[0])
+    delete(made[0])
+    assert player.hide_viewport and player.hide_render
+    delete(made[1])
+    assert not player.hide_viewport and not player.hide_render
+
+
+def test_a_deleted_player_is_not_missed(shapes):
+    morph = bake(output="PLAYER")
+    bpy.ops.convwass.bake_player()
+    frames = bpy.context.object.users_collection[0]
+    remove_bake(morph)
+    assert delete_morph(frames) == []
     assert hidden(*shapes) == [NEITHER, NEITHER]
 
 

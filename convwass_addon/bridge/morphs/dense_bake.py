@@ -22,7 +22,7 @@ from ..linked_data import is_linked
 from ..objects import evaluated_mesh, place_mesh, take_own_materials
 from ..scene_context import in_scene
 from .frame_attributes import CARRIED_UV
-from .hidden_inputs import copy_hidden
+from .hidden_inputs import copy_hidden, disable_player
 from .player_inputs import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
 from .stored import FRAME_KEY, INDEX_KEY, SAMPLED_FROM, WEIGHTS_KEY, store, stored_morph
@@ -150,7 +150,7 @@ class DenseBake:
         # A linked morph may be in collections that cannot take others.
         for parent in parents or [scene.collection]:
             parent.children.link(collection)
-        player.hide_viewport = player.hide_render = True
+        disable_player(collection, player)
         return collection
 
     def discard(self) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shapes that a bake hides, remembered with its morph so that only these are shown when it is deleted."""
+"""What a bake hides, remembered with its morph so that only this is shown when it is deleted: shapes and players."""
 
 from __future__ import annotations
 
@@ -36,16 +36,20 @@ class HiddenObject:
         Whether it is hidden in renders.
     layers : tuple of (str, str)
         Names of the scenes and view layers in which it is hidden.
+    in_viewports : bool
+        Whether it is disabled in viewports, too.
     """
 
     name: ObjectName
     in_renders: bool
     layers: tuple[tuple[str, str], ...]
+    in_viewports: bool = False
 
     def without(self, other: HiddenObject) -> HiddenObject:
         """Return where the object is hidden here but not there."""
         left = tuple(layer for layer in self.layers if layer not in other.layers)
-        return HiddenObject(self.name, self.in_renders and not other.in_renders, left)
+        disabled = self.in_viewports and not other.in_viewports
+        return HiddenObject(self.name, self.in_renders and not other.in_renders, left, disabled)
 
 
 def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
@@ -71,6 +75,16 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
         obj.hide_render = True
         for layer in layers_with(obj, [scene]):
             obj.hide_set(True, view_layer=layer)
+
+
+def disable_player(morph: bpy.types.ID, player: bpy.types.Object) -> None:
+    """Disable a player in viewports and renders while a morph shows the frames that were made from it."""
+    now, others = _shown(player), _others(morph)
+    _release({now.name: now}, others)
+    needed = [now, *_claims(others).get(now.name, ())]
+    in_renders, in_viewports = any(one.in_renders for one in needed), any(one.in_viewports for one in needed)
+    _store(morph, [*_hidden_by(morph), HiddenObject(now.name, in_renders, (), in_viewports)])
+    player.hide_viewport = player.hide_render = True
 
 
 def still_in_renders(morph: bpy.types.ID) -> list[str]:
@@ -149,6 +163,8 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
             continue
         if own.in_renders:
             obj.hide_render = False
+        if own.in_viewports:
+            obj.hide_viewport = False
         for layer in layers_with(obj, bpy.data.scenes):
             if _names(layer) in own.layers:
                 obj.hide_set(False, view_layer=layer)
@@ -157,7 +173,9 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
 def unfound_notices(hidden: Sequence[HiddenObject]) -> list[Sentence]:
     """Return a notice about objects that cannot be shown in renders again, since none of a scene has their names."""
     objects = objects_named([own.name for own in hidden])
-    names = [own.name.name for own, obj in zip(hidden, objects, strict=True) if obj is None and own.in_renders]
+    lost = [own for own, obj in zip(hidden, objects, strict=True) if obj is None and own.in_renders]
+    # A player that no longer exists was deleted with its morph.
+    names = [own.name.name for own in lost if not own.in_viewports]
     if not names:
         return []
     return [
@@ -221,7 +239,7 @@ def _release(shown: Mapping[ObjectName, HiddenObject], morphs: Iterable[bpy.type
 def _shown(obj: bpy.types.Object) -> HiddenObject:
     """Return where an object is shown now, and can be hidden."""
     layers = [layer for layer in layers_with(obj, bpy.data.scenes) if not obj.hide_get(view_layer=layer)]
-    return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(map(_names, layers)))
+    return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(map(_names, layers)), not obj.hide_viewport)
 
 
 def _names(layer: bpy.types.ViewLayer) -> tuple[str, str]:
@@ -269,7 +287,8 @@ def _of_copy(own: HiddenObject, copy: bpy.types.Object) -> HiddenObject:
     """Return where the copy of an object in a full copy of its scene is hidden: in view layers of the same names."""
     layers = {layer for _, layer in own.layers}
     names = (_names(layer) for layer in layers_with(copy, copy.users_scene))
-    return HiddenObject(ObjectName.of(copy), own.in_renders, tuple(both for both in names if both[1] in layers))
+    kept = tuple(both for both in names if both[1] in layers)
+    return HiddenObject(ObjectName.of(copy), own.in_renders, kept, own.in_viewports)
 
 
 def _parts(morph: bpy.types.ID) -> list[bpy.types.Object]:
@@ -288,9 +307,15 @@ def _read(entry: dict[str, object]) -> HiddenObject:
     if not (isinstance(name, str) and isinstance(library, str) and isinstance(layers, list)):
         raise TypeError("not a hidden object")
     places = (place for scene, layer in layers for place in _present(str(scene), str(layer)))
-    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(places))
+    # Earlier versions did not store players.
+    disabled = bool(entry.get("in_viewports", False))
+    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(places), disabled)
 
 
 def _store(morph: bpy.types.ID, hidden: Sequence[HiddenObject]) -> None:
-    entries = [{**vars(one.name), "in_renders": one.in_renders, "layers": list(one.layers)} for one in hidden]
-    morph[HIDDEN_KEY] = json.dumps(entries)
+    morph[HIDDEN_KEY] = json.dumps([_entry(one) for one in hidden])
+
+
+def _entry(hidden: HiddenObject) -> dict[str, object]:
+    values = {"in_renders": hidden.in_renders, "layers": list(hidden.layers), "in_viewports": hidden.in_viewports}
+    return {**vars(hidden.name), **values}
