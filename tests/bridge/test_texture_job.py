@@ -573,6 +573,20 @@ def test_images_can_be_written_to_a_folder(ball, tmp_path):
     assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
 
 
+def test_a_folder_that_cannot_be_made_is_refused_before_anything_is_baked(ball, tmp_path):
+    (tmp_path / "textures").touch()
+    with pytest.raises(InputError, match="cannot be written to; choose another one"):
+        job(ball, texture_folder=str(tmp_path / "textures" / "ball"))
+
+
+def test_a_folder_that_can_no_longer_be_made_is_named(ball, tmp_path):
+    begun = job(ball, texture_folder=str(tmp_path / "textures" / "ball"))
+    drained(begun.steps())
+    (tmp_path / "textures").touch()
+    with pytest.raises(InputError, match=r"The folder .*ball cannot be created"):
+        begun.finish()
+
+
 @pytest.mark.parametrize("packed", [True, False])
 def test_images_of_a_new_baking_replace_those_of_the_one_before(ball, tmp_path, packed):
     folder = "" if packed else str(tmp_path)

@@ -18,7 +18,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..color_spaces import DATA, SRGB, color_space
 from ..element_values import element_values
-from ..files import absolute_folder, file_stem
+from ..files import creatable_folder, create_folder, file_stem
 from ..handles import Handle
 from ..image_files import opaque_pixels
 from ..mesh_checks import writable_mesh
@@ -125,7 +125,7 @@ class TextureJob:
             raise InputError(
                 "{name} is one of two meshes, each of which has its own look; set Looks to First Shape.", name=obj.name
             )
-        self._folder = absolute_folder(settings.texture_folder) if settings.texture_folder else None
+        self._folder = creatable_folder(settings.texture_folder) if settings.texture_folder else None
         self._obj, self._settings = Handle.of("objects", obj), settings
         self._looks: list[Look] = []
         self._baked: list[_Baked] = []
@@ -313,7 +313,7 @@ class TextureJob:
 
     def _stored(self, image: bpy.types.Image, name: str) -> Path:
         """Write an image to the folder, under a name."""
-        self._folder.mkdir(parents=True, exist_ok=True)
+        create_folder(self._folder)
         file = self._folder / f"{file_stem(name)}.png"
         image.filepath_raw, image.file_format = for_blender(file), "PNG"
         try:
