@@ -14,14 +14,17 @@ from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
 
-# Letters of a name that leave room for numbers, extensions and the names of drafts in the 255 that file systems allow.
+# Bytes of a name in UTF-8 that leave room for numbers, extensions and the names of drafts in the 255 that Linux allows.
 _LONGEST = 180
 
 
 def file_stem(name: str) -> str:
     """Return a name for files in plain letters and digits; long ones are cut and end in a checksum instead."""
     stem = bpy.path.clean_name(name)
-    return stem if len(stem) <= _LONGEST else f"{stem[:_LONGEST]}_{zlib.crc32(stem.encode()):08x}"
+    content = stem.encode(errors="ignore")
+    if len(content) <= _LONGEST:
+        return stem
+    return f"{content[:_LONGEST].decode(errors='ignore')}_{zlib.crc32(content):08x}"
 
 
 def checked_target(path: Path) -> Path:

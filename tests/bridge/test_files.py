@@ -167,9 +167,14 @@ def test_folders_are_checked(tmp_path):
             checked_folder(str(wrong))
 
 
-def test_long_names_leave_room_for_numbers_and_extensions():
-    stem = file_stem(255 * "a")
+@pytest.mark.parametrize("letter", ["a", "ж", "名"])
+def test_names_of_255_bytes_leave_room_for_numbers_and_extensions(letter):
+    stem = file_stem(255 // len(letter.encode()) * letter)
     assert len(f".{stem}_0001.usdc@".encode()) <= 220
-    assert stem.startswith(40 * "a")
+    assert stem.startswith(40 * letter)
+
+
+def test_long_names_that_begin_alike_stay_apart():
+    stem = file_stem(255 * "a")
     assert stem == file_stem(255 * "a") != file_stem(250 * "a")
     assert file_stem("A to B/C") == "A_to_B_C"
