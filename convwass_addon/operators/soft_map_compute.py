@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import equal_groups, standing_mesh
-from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
+from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable, require_storable_between
 from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
@@ -41,7 +41,7 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
 
     def _begin(self, context):
         own = context.scene.convwass_soft_map
-        require_storable(own.source)
+        require_storable_between(own.source, own.target)
         self._pairs = chosen_pairs(own, self.pairs)
         solve = self._solver(self._pairs, self.soft_map_settings())
         return SoftMapJob(own.source, own.target, self._groups(own), solve)

@@ -43,6 +43,21 @@ def require_storable(source: bpy.types.Object) -> None:
         )
 
 
+def require_storable_between(source: bpy.types.Object, target: bpy.types.Object) -> None:
+    """Raise InputError if the source of a map cannot store it; the message says so if the target could."""
+    if not _can_store(source) and _can_store(target):
+        raise InputError(
+            "{object} is linked from another file, or overrides an object of one, and cannot keep soft maps; press "
+            "Swap Source and Target, compute the map, and transfer from Target to Source.",
+            object=source.name,
+        )
+    require_storable(source)
+
+
+def _can_store(source: bpy.types.Object) -> bool:
+    return source.is_editable and source.override_library is None
+
+
 def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: StoredSoftMap) -> None:
     """Store a map with its source object, and replace the map to the same target; raises as `require_storable`."""
     require_storable(source)
