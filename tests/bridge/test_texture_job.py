@@ -329,6 +329,26 @@ def test_a_mesh_without_uvs_is_unwrapped_and_a_texture_of_the_shape_lands_where_
     assert error_of_heights(ball, image) < 0.06
 
 
+def test_an_image_on_a_mesh_without_uvs_stays_one_color(ball):
+    """It shows its corner everywhere, and is not laid along the UV map that is made for the textures."""
+    while ball.data.uv_layers:
+        ball.data.uv_layers.remove(ball.data.uv_layers[0])
+    stripes = np.zeros((16, 16, 4), np.float32)
+    stripes[..., 3] = stripes[:, :4, 0] = stripes[:, -4:, 0] = stripes[:, 4:-4, 1] = 1.0
+    texture = bpy.data.images.new("Stripes", 16, 16)
+    texture.pixels.foreach_set(stripes.ravel())
+    texture.pack()
+    material = ball.data.materials[0]
+    node = new_node(material.node_tree, "ShaderNodeTexImage", image=texture)
+    material.node_tree.links.new(node.outputs["Color"], principled(material).inputs["Base Color"])
+    for _ in range(2):
+        found = baked(ball, texture_looks="START")
+        assert found.uv_map == "Baked" and not found.images
+        color = principled(found.material).inputs["Base Color"].default_value
+        np.testing.assert_allclose(color[:3], (1.0, 0.0, 0.0), atol=0.01)
+    assert ball.data.uv_layers.keys() == ["Baked"]
+
+
 def test_faces_outside_of_the_image_are_told(ball):
     """A quarter of the ball is on the next UDIM tile."""
     layer = ball.data.uv_layers[0]

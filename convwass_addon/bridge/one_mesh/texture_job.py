@@ -138,7 +138,7 @@ class TextureJob:
             self._uvs = loop_uvs(prepared, self._uv_map)
             self._note_outside(prepared, obj.name)
             if settings.texture_looks != "END":
-                self._looks.append(start_look(obj, prepared))
+                self._looks.append(start_look(obj, prepared, self._made))
             for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
                 self._looks.append(end_look(obj, slider, prepared))
             for look in self._looks:

@@ -144,9 +144,22 @@ def remembered_shapes(obj: bpy.types.Object) -> dict[str, tuple[bpy.types.Object
     return found
 
 
-def start_look(obj: bpy.types.Object, prepared: bpy.types.Mesh) -> Look:
-    """Freeze the undeformed mesh with its own look; parameters as :func:`end_look`."""
+def start_look(obj: bpy.types.Object, prepared: bpy.types.Mesh, made: str) -> Look:
+    """Freeze the undeformed mesh with its own look.
+
+    Parameters
+    ----------
+    obj, prepared
+        As for :func:`end_look`.
+    made : str
+        Name of the UV map that was made for the textures; empty if it is one of the mesh itself.
+    """
     onto = _posed(obj, prepared, None)
+    layers = onto.found().uv_layers
+    if layers.keys() == [made]:
+        # Textures that name no UV map are at (0, 0) everywhere, as on a mesh that has none.
+        layers.new(do_init=False).active_render = True
+        layers.active = layers[made]
     return Look(obj.name, None, onto, None, 0.0, _scene_values(onto.found()))
 
 
