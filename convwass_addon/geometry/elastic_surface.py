@@ -31,6 +31,9 @@ _LEAST_SHARE = 0.02
 # Least squared length of an edge, on the surface of unit area. With less, the squares of the strains of edges without
 # length overflow.
 _LEAST_SQUARE = 1e-100
+# Vertices are held in place with at least this fraction of the stiffness of their edges, a thousand times what rounding
+# leaves of it. Otherwise, systems of bodies that are too small to be held by their areas would be singular.
+_LEAST_HELD = 1e-12
 
 
 class ElasticSurface:
@@ -58,6 +61,7 @@ class ElasticSurface:
         ends = np.repeat(np.arange(count), np.diff(self._matrix.indptr))
         self._diagonal = np.flatnonzero(self._matrix.indices == ends)
         self._matrix.data[self._diagonal] -= 1.0
+        self._least_held = _LEAST_HELD * self._matrix.data[self._diagonal]
         self._edges = vertices[self._rows] - vertices[self._columns]
         self._is_level = is_level(vertices)
         self._sums = csr_array(
@@ -98,7 +102,9 @@ class ElasticSurface:
         right = 0.5 * (self._moments.T @ turned) + pulls
         # Vertices without edges stay in place.
         loose = self._areas <= 0
-        held = np.where(loose, 1.0, weights)
+        lacking = np.maximum(self._least_held - weights, 0.0)
+        right += lacking[:, None] * points
+        held = np.where(loose, 1.0, weights + lacking)
         right[loose] = points[loose]
         return self._factor.solve(self._with_diagonal(1.0, held), right, points)
 
@@ -136,7 +142,9 @@ class ElasticSurface:
         count, loose = len(points), self._areas <= 0
         one_way = coo_array((weights, (self._rows, self._columns)), shape=(count, count)).tocsc()
         matrix = csc_array(diags_array(np.asarray(one_way.sum(axis=1)).ravel()) - one_way)
-        springs = np.where(loose[:, None, None], np.eye(3), springs)
+        lacking = np.maximum(self._least_held - np.einsum("nii->n", springs), 0.0)
+        springs = np.where(loose[:, None, None], np.eye(3), springs + lacking[:, None, None] * np.eye(3))
+        pulls = pulls + lacking[:, None] * points
         right = np.where(loose[:, None], points, self._sums @ (weights[:, None] * turned) + pulls)
         system = _SpringSystem(matrix, springs)
         if self._nearly is not None:
@@ -194,7 +202,7 @@ class ElasticSurface:
     def blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
         """Return sums over neighborhoods of a size of `width` on the surface, (k, n), by one implicit heat step."""
         if width not in self._blurs:
-            held = np.where(self._areas > 0, self._areas, 1.0)
+            held = np.where(self._areas > 0, np.maximum(self._areas, width**2 * self._least_held), 1.0)
             self._blurs[width] = factorize(self._with_diagonal(width**2, held))
         return self._blurs[width].solve(np.ascontiguousarray(columns))
 

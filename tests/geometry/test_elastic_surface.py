@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
+from tests.shapes import ball, box, joined
 
 WIDTH = 0.04
 
@@ -95,3 +96,17 @@ def test_a_flat_surface_may_leave_its_plane(strip):
     shape, surface = strip
     upright = shape.vertices[:, [2, 1, 0]] * (1.0, 1.0, -1.0)
     assert surface.strain(upright, WIDTH) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-8])
+def test_bodies_too_small_to_be_held_by_their_areas_stay_in_place(size):
+    """Systems with such a body, like a speck beside a scan, were singular within rounding."""
+    speck = box((size, size, size), (2.0, 0.3, 0.1), (0.1, 0.2, 0.3))
+    shape = UnitShape.of(joined(ball(points=400), speck))
+    weights = 1e-3 * shape.areas
+    pulls = weights[:, None] * shape.vertices
+    found = shape.elastic.relaxed(shape.vertices, weights, pulls, WIDTH)
+    np.testing.assert_allclose(found, shape.vertices, atol=1e-3)
+    springs = weights[:, None, None] * np.eye(3)
+    robust = shape.elastic.relaxed_robustly(shape.vertices, springs, pulls, WIDTH, give=0.3)
+    np.testing.assert_allclose(robust, shape.vertices, atol=1e-3)
