@@ -33,6 +33,12 @@ def test_holes_are_counted_by_their_edges():
     assert (findings.worst, findings.open_edges) == ("HOLES", 3)
 
 
+def test_a_sheet_beside_a_solid_is_no_hole():
+    assert check_shape(joined(ball(), square(1.0, (3.0, 0.0, 0.0)))).worst == "SOUND"
+    findings = check_shape(joined(with_faces(ball(), slice(1, None)), square(1.0, (3.0, 0.0, 0.0))))
+    assert (findings.worst, findings.open_edges) == ("HOLES", 3)
+
+
 def test_separate_triangles_have_no_holes():
     shape = box()
     soup = TriangleMesh.from_arrays(shape.corners.reshape(-1, 3), np.arange(36).reshape(-1, 3))

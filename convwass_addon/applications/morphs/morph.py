@@ -24,6 +24,7 @@ from .layouts import Blend, pairs_of
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
+from .plated_shapes import PlatedShapes
 from .remaking import BakeReview, Remaking
 from .runs import Run, SolvedRun, as_solved, runs_of
 
@@ -86,14 +87,15 @@ def morph(
     """
     for shape, name in zip(shapes, names, strict=True):
         require_surface(shape, name)
-    matching = unparted(len(shapes)) if labels is None else matched(labels, names)
+    plated = PlatedShapes.of(shapes, settings, labels, animation)
+    matching = unparted(len(shapes)) if labels is None else matched(plated.labels, names)
     runs = runs_of(blends, computation.wanted)
     pairs = pairs_of(blends) if pairs is None else pairs
     cache = computation.cache
     store = None if cache is None else cache.of(shapes, names, labels, settings, guides, pairs, animation)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     plan = BakePlan(
-        shapes=shapes,
+        shapes=plated.shapes,
         names=names,
         blends=blends,
         pairs=pairs,
@@ -103,11 +105,11 @@ def morph(
         runs=missing,
         keeps_potentials=store is not None and store.keeps_potentials,
         computation=computation,
-        animation=animation,
+        animation=plated.animation,
     )
     # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
     reviewed = blends if computation.wanted is None else ()
-    review = BakeReview(reviewed, _unblended(reviewed, shapes, animation))
+    review = BakeReview(reviewed, _unblended(reviewed, plated.shapes, plated.animation))
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
         fraction, problem, kept = 0.0, None, None

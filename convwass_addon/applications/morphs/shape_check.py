@@ -11,6 +11,7 @@ from ...errors import InputError
 from ...geometry.edges import edge_use, topology
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
+from ...geometry.plates import Plates
 from ...geometry.welding import welded
 from ...progress import UNINTERRUPTED, Control
 from .volumes import Lattice, voxelized
@@ -33,7 +34,8 @@ class ShapeFindings:
     has_volume : bool
         Whether it encloses a volume.
     open_edges : int
-        Edges with only one face, after welding vertices at the same position.
+        Edges with only one face, after welding vertices at the same position; without those of sheets beside solids,
+        which become plates.
     flipped_faces : int
         Faces with inward normals.
     """
@@ -70,9 +72,13 @@ def check_shape(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> ShapeFi
     outward = orient_outward(joined, use)
     control.check()
     found = topology(outward, use if outward is joined else None)
+    plates = Plates.of(joined) if found.open_edges else None
+    open_edges = (
+        found.open_edges if plates is None else topology(TriangleMesh(joined.vertices, plates.faces)).open_edges
+    )
     return ShapeFindings(
         has_volume=(found.closed and _is_clear(outward)) or _has_volume(mesh, control),
-        open_edges=found.open_edges,
+        open_edges=open_edges,
         flipped_faces=int((outward.faces != joined.faces).any(axis=1).sum()),
     )
 
