@@ -40,7 +40,7 @@ TEXTS: dict[str, str] = {
     "UPRIGHT": "Warp was chosen: by the map between the shapes (agreement {score:.0%}), they would tumble",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
-    "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
+    "GUIDES": "Guides left out: {count}; the shapes map better without them: check their points",
     "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
     "TUMBLING": "Transport was chosen: by the map between the shapes (agreement {score:.0%}), they would tumble; "
