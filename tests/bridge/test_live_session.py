@@ -21,9 +21,11 @@ from convwass_addon.bridge.live.running import running_live
 from convwass_addon.bridge.objects import write_triangles
 from convwass_addon.bridge.shape_sources import ShapeSource
 from convwass_addon.errors import InputError
+from convwass_addon.geometry.mesh import TriangleMesh
+from tests.grids import sheet
 from tests.linked_objects import linked_object
 from tests.searches import counted_searches
-from tests.shapes import ball
+from tests.shapes import ball, joined
 
 SIZES = (0.6, 1.0, 0.8, 0.9)
 
@@ -90,6 +92,22 @@ def test_the_shape_follows_the_handle(begin):
     session.scene.pad.handle.location.x = 99.0
     assert session.tick()
     assert session.weights == (0.0, 1.0)
+
+
+def test_sheets_beside_solids_are_shown(begin, make_object):
+    """They are thicker than a cell, as in bakes, instead of missing."""
+    for place, length in enumerate((0.8, 1.2)):
+        flat = sheet(9, 9)
+        fin = TriangleMesh(flat.vertices * [length, 0.6, 1.0] + [0.4, -0.3, 0.0], flat.faces)
+        mesh = joined(ball(0.5, points=200), fin)
+        make_object(f"Ball {place}", mesh.vertices, faces=mesh.faces)
+    session = begin()
+    ready(session)
+    session.move_to(0.5, 0.0)
+    assert session.tick()
+    shape = session.scene.shape
+    farthest = max(vertex.co.x for vertex in shape.data.vertices) + shape.location.x
+    assert farthest == pytest.approx(0.4 + 1.0, abs=0.15)
 
 
 @pytest.mark.parametrize(("count", "place", "expected"), [(3, (0.5, 1.0), (0, 0, 1)), (4, (1.0, 1.0), (0, 1, 0, 0))])

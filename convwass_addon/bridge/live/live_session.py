@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -19,6 +19,7 @@ from ...applications.live.pad_places import pad_weights
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import matched, unparted
+from ...applications.morphs.plated_shapes import PlatedShapes
 from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
@@ -118,9 +119,11 @@ class LiveSession:
         return read_colors(sources, read.moves) if self._request.settings.carry else ()
 
     def _blends_of(self, read: ReadShapes, looks: tuple[Appearance, ...]) -> LiveBlends:
-        matching = unparted(len(read.meshes)) if read.labels is None else matched(read.labels, read.names)
-        shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides), looks)
         request = self._request
+        settings = replace(request.settings, resolution=request.live.live_resolution)
+        plated = PlatedShapes.of(read.meshes, settings, read.labels)
+        matching = unparted(len(read.meshes)) if plated.labels is None else matched(plated.labels, read.names)
+        shapes = LiveShapes(tuple(plated.shapes), tuple(read.names), matching, tuple(read.guides), looks)
         return LiveBlends(shapes, request.settings, request.live, motions=FOUND_MOTIONS)
 
     @property
