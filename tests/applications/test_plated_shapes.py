@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
+from convwass_addon.applications.morphs.between_frames import between_frames
+from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import FaceLabels
+from convwass_addon.applications.morphs.part_labels import Matching, unparted
 from convwass_addon.applications.morphs.plated_shapes import PlatedShapes
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -65,13 +68,23 @@ def test_a_fin_follows_an_animated_shape():
     assert farthest(mesh, 0.5 * (fins[0] + fins[1])) < 2.5
 
 
+def test_a_fin_stays_whole_between_frames(tmp_path):
+    """Blends between those of a path are solved from its kept frames, which have the fin."""
+    shapes, settings = [finned(0.8), finned(1.2)], MorphSettings(CELLS, motion="transport")
+    steps = between_frames(
+        shapes, ["a", "b"], path_blends(2, 2), [1.5], settings, Computation(2, cache=FrameCache(tmp_path))
+    )
+    (frame,) = payloads(steps, MorphFrame)
+    expected = finned(1.1)
+    assert farthest(frame.mesh, expected.corners[len(BODY.faces) :].mean(axis=1)) < 2.0
+
+
 def test_parts_include_plates():
     shape = finned(1.0)
-    labels = FaceLabels(("body", "fin"), np.repeat([0, 1], [len(BODY.faces), len(shape.faces) - len(BODY.faces)]))
-    plated = PlatedShapes.of(
-        [shape, BODY], MorphSettings(CELLS), [labels, FaceLabels((), -np.ones(len(BODY.faces), int))]
-    )
-    volumes = np.bincount(plated.labels[0].faces, plated.shapes[0].face_volumes)
+    parts = np.repeat([0, 1], [len(BODY.faces), len(shape.faces) - len(BODY.faces)])
+    matching = Matching(("body", "fin"), (parts, np.full(len(BODY.faces), 2)))
+    plated = PlatedShapes.of([shape, BODY], MorphSettings(CELLS), matching)
+    volumes = np.bincount(plated.matching.faces[0], plated.shapes[0].face_volumes)
     thickness = 2.0 * shape.longest_side / CELLS
     fin = TriangleMesh(shape.vertices, shape.faces[len(BODY.faces) :])
     np.testing.assert_allclose(volumes, [BODY.volume, thickness * fin.area], rtol=0.02)
@@ -79,6 +92,6 @@ def test_parts_include_plates():
 
 
 def test_plates_get_the_thickness_of_the_settings():
-    plated = PlatedShapes.of([finned(1.0)], MorphSettings(CELLS, thickness=0.2))
+    plated = PlatedShapes.of([finned(1.0)], MorphSettings(CELLS, thickness=0.2), unparted(1))
     fin = TriangleMesh(finned(1.0).vertices, finned(1.0).faces[len(BODY.faces) :])
     assert plated.shapes[0].volume == pytest.approx(BODY.volume + 0.2 * fin.area, rel=0.01)

@@ -31,7 +31,8 @@ from .layouts import Blend, pairs_of
 from .morph import morph
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels, matched, unparted
+from .part_labels import FaceLabels, matching_of
+from .plated_shapes import PlatedShapes
 from .preparing import VOXEL_SHARE, prepared_problem
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .transport_problem import MorphPart
@@ -141,7 +142,7 @@ def between_frames(
         pairs = pairs_of(path)
         given = {"labels": labels, "guides": guides, "computation": computation, "pairs": pairs}
         return (yield from morph(shapes, names, blends, settings, control, **given))
-    matching = unparted(len(shapes)) if labels is None else matched(labels, names)
+    plated = PlatedShapes.of(shapes, settings, matching_of(labels, names))
     store = computation.cache.of(shapes, names, labels, settings)
     runs = _runs_about(places, path)
     missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
@@ -152,9 +153,11 @@ def between_frames(
     workers = computation.workers
     threads = thread_count(workers)
     side_by_side = min(workers or 1, max(len(missing), len(places)))
-    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads, control)
-    problem = problem.with_detail_of(shapes)
-    most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
+    problem = yield from prepared_problem(
+        plated.shapes, names, plated.matching, settings, side_by_side, threads, control
+    )
+    problem = problem.with_detail_of(plated.shapes)
+    most = workers or fitting_workers(problem.lattice, plated.shapes, plated.matching.count, threads)
     yield from _complete(store, problem, missing, control, most, computation.executor)
     frames = _stored_frames(store, runs, path)
     with frame_workers(most) as threads:

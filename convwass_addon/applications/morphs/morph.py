@@ -23,7 +23,7 @@ from .frame_cache import BakeCache
 from .layouts import Blend, pairs_of
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels, matched, unparted
+from .part_labels import FaceLabels, matching_of
 from .plated_shapes import PlatedShapes
 from .remaking import BakeReview, Remaking
 from .runs import Run, SolvedRun, as_solved, runs_of
@@ -87,8 +87,7 @@ def morph(
     """
     for shape, name in zip(shapes, names, strict=True):
         require_surface(shape, name)
-    plated = PlatedShapes.of(shapes, settings, labels, animation)
-    matching = unparted(len(shapes)) if labels is None else matched(plated.labels, names)
+    plated = PlatedShapes.of(shapes, settings, matching_of(labels, names), animation)
     runs = runs_of(blends, computation.wanted)
     pairs = pairs_of(blends) if pairs is None else pairs
     cache = computation.cache
@@ -100,7 +99,7 @@ def morph(
         blends=blends,
         pairs=pairs,
         settings=settings,
-        matching=matching,
+        matching=plated.matching,
         guides=guides,
         runs=missing,
         keeps_potentials=store is not None and store.keeps_potentials,

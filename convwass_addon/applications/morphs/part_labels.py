@@ -111,6 +111,11 @@ def unparted(count: int) -> Matching:
     return Matching((), tuple(np.zeros(0, np.int64) for _ in range(count)))
 
 
+def matching_of(labels: Sequence[FaceLabels] | None, shape_names: Sequence[str]) -> Matching:
+    """Match the parts of shapes as :func:`matched` does; without labels, each shape is one part."""
+    return unparted(len(shape_names)) if labels is None else matched(labels, shape_names)
+
+
 def matched(labels: Sequence[FaceLabels], shape_names: Sequence[str]) -> Matching:
     """Match parts of the same name.
 

@@ -16,7 +16,7 @@ from ...geometry.plates import Plates
 from ...geometry.thicken import LEAST_THICKNESS
 from .animation import Animation, ShapeAnimation
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels
+from .part_labels import Matching
 
 
 @dataclass(frozen=True)
@@ -27,14 +27,14 @@ class PlatedShapes:
     ----------
     shapes : list of TriangleMesh
         Their vertices begin with those of the inputs.
-    labels : list of FaceLabels or None
-        Parts of these shapes, if there are parts.
+    matching : Matching
+        The corresponding parts of these shapes.
     animation : Animation or None
         These shapes at all times, if they are animated.
     """
 
     shapes: list[TriangleMesh]
-    labels: list[FaceLabels] | None
+    matching: Matching
     animation: Animation | None
 
     @classmethod
@@ -42,15 +42,14 @@ class PlatedShapes:
         cls,
         shapes: Sequence[TriangleMesh],
         settings: MorphSettings,
-        labels: Sequence[FaceLabels] | None = None,
+        matching: Matching,
         animation: Animation | None = None,
     ) -> PlatedShapes:
         """Find the sheets of shapes, and give them the thickness of the settings, at least two cells."""
         cell = max(shape.longest_side for shape in shapes) / settings.resolution
         thickness = max(settings.thickness, LEAST_THICKNESS * cell)
         animated = [None] * len(shapes) if animation is None else list(animation.shapes)
-        labeled = [None] * len(shapes) if labels is None else list(labels)
-        plated = list(shapes)
+        plated, parts = list(shapes), list(matching.faces)
         for index, shape in enumerate(shapes):
             moving = animated[index]
             plates = Plates.of(shape) if moving is None or moving.keeps_topology else None
@@ -59,13 +58,11 @@ class PlatedShapes:
             plated[index] = plates.thick(shape.vertices, thickness)
             if moving is not None:
                 animated[index] = _thick(moving, plates, thickness)
-            if labeled[index] is not None:
-                labeled[index] = replace(labeled[index], faces=labeled[index].faces[plates.sources])
-        return cls(
-            plated,
-            None if labels is None else labeled,
-            None if animation is None else replace(animation, shapes=tuple(animated)),
-        )
+            # Shapes of one part have no labels.
+            if len(parts[index]):
+                parts[index] = parts[index][plates.sources]
+        moving = None if animation is None else replace(animation, shapes=tuple(animated))
+        return cls(plated, replace(matching, faces=tuple(parts)), moving)
 
 
 def _thick(moving: ShapeAnimation, plates: Plates, thickness: float) -> ShapeAnimation:

@@ -18,7 +18,7 @@ from ...applications.live.live_shapes import LiveShape, LiveShapes
 from ...applications.live.pad_places import pad_weights
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.part_labels import matched, unparted
+from ...applications.morphs.part_labels import matching_of
 from ...applications.morphs.plated_shapes import PlatedShapes
 from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
@@ -121,9 +121,8 @@ class LiveSession:
     def _blends_of(self, read: ReadShapes, looks: tuple[Appearance, ...]) -> LiveBlends:
         request = self._request
         settings = replace(request.settings, resolution=request.live.live_resolution)
-        plated = PlatedShapes.of(read.meshes, settings, read.labels)
-        matching = unparted(len(read.meshes)) if plated.labels is None else matched(plated.labels, read.names)
-        shapes = LiveShapes(tuple(plated.shapes), tuple(read.names), matching, tuple(read.guides), looks)
+        plated = PlatedShapes.of(read.meshes, settings, matching_of(read.labels, read.names))
+        shapes = LiveShapes(tuple(plated.shapes), tuple(read.names), plated.matching, tuple(read.guides), looks)
         return LiveBlends(shapes, request.settings, request.live, motions=FOUND_MOTIONS)
 
     @property
