@@ -209,7 +209,25 @@ def _chosen(mesh: TriangleMesh, faces: NDArray[np.bool_]) -> TriangleMesh:
 
 def _winding_in_front(own: TriangleMesh, mesh: TriangleMesh) -> float:
     """Return the median winding number of a mesh about points just in front of the triangles of another."""
-    # Evenly spread over the area, and off the surface, which the two meshes may share.
-    corners = own.corners[at_equal_shares(own.face_areas, _PROBES)]
-    probes = corners.mean(axis=1) + _WITHIN * own.longest_side * triangle_normals(corners)
-    return float(np.median(winding_numbers(probes, mesh)))
+    # The two meshes may share the surface.
+    return float(np.median(winding_numbers(points_in_front(own, _PROBES, _WITHIN), mesh)))
+
+
+def points_in_front(mesh: TriangleMesh, count: int, away: float) -> NDArray[np.float64]:
+    """Return points in front of the triangles of a mesh, evenly spread over its area.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        At least one triangle.
+    count : int
+        Number of points.
+    away : float
+        Their distance from the triangles, relative to the longest side of the mesh.
+
+    Returns
+    -------
+    (count, 3) float64
+    """
+    corners = mesh.corners[at_equal_shares(mesh.face_areas, count)]
+    return corners.mean(axis=1) + away * mesh.longest_side * triangle_normals(corners)

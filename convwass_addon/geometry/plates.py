@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from .components import component_labels
 from .edges import edge_use
-from .equal_shares import at_equal_shares
 from .label_sums import label_sums
 from .mesh import TriangleMesh
-from .normals import triangle_normals, unit_vectors
-from .orientation import orient_outward
+from .normals import unit_vectors
+from .orientation import orient_outward, points_in_front
 from .solid_angles import winding_numbers
 from .welding import place_labels
 
@@ -66,9 +65,12 @@ class Plates:
         mesh : TriangleMesh
             Any triangles.
         """
-        if not (edge_use(mesh.faces).count == 1).any():
-            return None
-        outward = orient_outward(mesh)
+        use = edge_use(mesh.faces)
+        return cls.of_outward(orient_outward(mesh, use)) if (use.count == 1).any() else None
+
+    @classmethod
+    def of_outward(cls, outward: TriangleMesh) -> Plates | None:
+        """Find the sheets of a shape that is oriented outward, as :meth:`of` does."""
         patches = _Patches.of(outward)
         chosen = np.isin(patches.labels, patches.sheets(outward))
         if chosen.all() or not chosen.any():
@@ -191,6 +193,4 @@ def _marked(sides: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
 
 def _probes(mesh: TriangleMesh, chosen: NDArray[np.bool_]) -> NDArray[np.float64]:
     """Return points just in front of some triangles of a mesh, evenly spread over their area, (_PROBES, 3)."""
-    own = TriangleMesh(mesh.vertices, mesh.faces[chosen])
-    corners = own.corners[at_equal_shares(own.face_areas, _PROBES)]
-    return corners.mean(axis=1) + _WITHIN * own.longest_side * triangle_normals(corners)
+    return points_in_front(TriangleMesh(mesh.vertices, mesh.faces[chosen]), _PROBES, _WITHIN)

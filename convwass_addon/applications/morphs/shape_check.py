@@ -72,7 +72,7 @@ def check_shape(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> ShapeFi
     outward = orient_outward(joined, use)
     control.check()
     found = topology(outward, use if outward is joined else None)
-    plates = Plates.of(joined) if found.open_edges else None
+    plates = Plates.of_outward(outward) if found.open_edges else None
     open_edges = (
         found.open_edges if plates is None else topology(TriangleMesh(joined.vertices, plates.faces)).open_edges
     )

@@ -116,7 +116,11 @@ class MirroredSides:
 
     def apart(self, k: int, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distances of a map from what it is in the mirror, (n,), in sizes of the surface mapped to."""
-        return np.linalg.norm(points - self.mirrored_map(k, points), axis=1) / np.sqrt(self.meshes[1 - k].area)
+        return self._sizes_between(k, points, self.mirrored_map(k, points))
+
+    def _sizes_between(self, k: int, points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distances of two maps of shape k, (n,), in sizes of the surface mapped to."""
+        return np.linalg.norm(points - images, axis=1) / np.sqrt(self.meshes[1 - k].area)
 
     def evened_map(self, k: int, points: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a map of shape k that is its own mirror image where both shapes are.
@@ -137,7 +141,7 @@ class MirroredSides:
         """
         image, elsewhere = self.mirrored_map(k, points), self.mirrored(k, costs)
         best = np.where((elsewhere < costs)[:, None], image, points)
-        even = np.where((self.apart(k, points) <= _CLOSE)[:, None], 0.5 * (points + image), best)
+        even = np.where((self._sizes_between(k, points, image) <= _CLOSE)[:, None], 0.5 * (points + image), best)
         return points + self._symmetric(k, points)[:, None] * (even - points)
 
     def _symmetric(self, k: int, points: NDArray[np.float64]) -> NDArray[np.float64]:
