@@ -18,7 +18,7 @@ from ..geometry.products import contract
 from ..one_line import one_line
 from .gaussian import GaussianKernel
 from .log_lines import log_blur
-from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
+from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log, flushed_exp
 from .region import Region, ThroughWholeArrays
 
 # Below this the Gaussian is a single cell; above it, uniform on any grid that fits in memory.
@@ -129,10 +129,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         scaled, _, _ = self._scratch
         for source, target in zip(self._columns(logs), self._columns(out), strict=True):
             shift = source.max() - HEADROOM
-            np.subtract(source, shift, out=scaled)
-            np.exp(scaled, out=scaled)
-            np.copyto(scaled, 0.0, where=scaled < NEGLIGIBLE)
-            self._blur(scaled, target)
+            self._blur(flushed_exp(source, shift, scaled), target)
             floored_log(target, shift)
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:
@@ -155,11 +152,9 @@ class Grid(GaussianKernel, ThroughWholeArrays):
                     turned.reshape(size, -1)[...] = self._log_blur(current.reshape(-1, size)).T
                     current = turned
                     continue
-                lines = first.reshape(-1, size)
-                shift = current.reshape(-1, size).max(axis=1, keepdims=True) - HEADROOM
-                np.subtract(current.reshape(-1, size), shift, out=lines)
-                np.exp(lines, out=lines)
-                np.copyto(lines, 0.0, where=lines < NEGLIGIBLE)
+                lines = current.reshape(-1, size)
+                shift = lines.max(axis=1, keepdims=True) - HEADROOM
+                flushed_exp(lines, shift, first.reshape(-1, size))
                 contract(first, turned, self._kernels[size])
                 floored_log(turned.reshape(size, -1), shift[:, 0])
                 current = turned
@@ -191,11 +186,9 @@ class Grid(GaussianKernel, ThroughWholeArrays):
         results = []
         for logs, source, target in zip(columns, sources, targets, strict=True):
             shift = logs.max() - HEADROOM
-            scaled = np.exp(logs - shift)
-            np.copyto(scaled, 0.0, where=scaled < NEGLIGIBLE)
             current = first[: source.box_cells]
             current.fill(0.0)
-            current[source.index_in_box] = scaled
+            current[source.index_in_box] = flushed_exp(logs, shift)
             spare = [second, first]
             for axis in reversed(range(len(self.shape))):
                 kernel = self._kernels[self.shape[axis]][source.box[axis], target.box[axis]]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import blas
 
-from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log
+from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log, flushed_exp
 
 # Width of a block in standard deviations: across one block the kernel falls by e^(-14^2 / 2) = e^-98, across two by
 # e^-392, and float64 holds e^-708 (timings are in docs/performance, "Barycenters on grids").
@@ -60,9 +60,7 @@ def log_blur(logs: NDArray[np.float64], sigma: float, log_scale: float) -> NDArr
             shift = (target - source) * block / sigma**2
             tilted = padded[rows, source] + shift * offsets
             top = tilted.max(axis=1, keepdims=True)
-            scaled = np.exp(tilted - top)
-            scaled[scaled < NEGLIGIBLE] = 0.0
-            arrived = np.ascontiguousarray(blas.dgemm(1.0, kernel, scaled.T).T)
+            arrived = np.ascontiguousarray(blas.dgemm(1.0, kernel, flushed_exp(tilted, top).T).T)
             floored_log(arrived, top - shift * offsets - (shift * sigma) ** 2 / 2.0 + log_scale)
             result[rows, target] = np.logaddexp(result[rows, target], arrived)
     blurred = result.reshape(count, -1)[:, :size]

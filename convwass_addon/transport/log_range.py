@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The range of float64 scalings, and logarithms that stay within it."""
+"""The range of float64 scalings, and exponentials and logarithms that stay within it."""
 
 from __future__ import annotations
 
@@ -15,6 +15,16 @@ HEADROOM = 600.0
 NEGLIGIBLE = 1e-290
 # Densities below exp(-600) are quotients of rounding errors: scalings there must not spread to their neighborhood.
 RELEVANT = 600.0
+
+
+def flushed_exp(
+    logs: NDArray[np.float64], shift: float | NDArray[np.float64], out: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """Return the exponentials of logarithms minus a shift, zero where negligible, in `out` if given."""
+    values = np.subtract(logs, shift, out=out)
+    np.exp(values, out=values)
+    np.copyto(values, 0.0, where=values < NEGLIGIBLE)
+    return values
 
 
 def floored_log(values: NDArray[np.float64], shift: float | NDArray[np.float64] = 0.0) -> None:

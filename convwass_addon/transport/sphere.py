@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..one_line import one_line
 from .domain import KernelTooNarrowError
 from .gaussian import GaussianKernel
-from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
+from .log_range import HEADROOM, LOG_NOTHING, floored_log, flushed_exp
 from .region import Region, ThroughWholeArrays
 from .sphere_filter import SphereFilter
 from .zonal_kernel import ZonalKernel, log_zonal
@@ -146,9 +146,7 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         """
         columns, results = logs.reshape(-1, *self.shape), out.reshape(-1, *self.shape)
         shifts = columns.max(axis=(1, 2), keepdims=True) - HEADROOM
-        scaled = np.exp(columns - shifts)
-        scaled[scaled < NEGLIGIBLE] = 0.0
-        self._applied.apply(scaled, results)
+        self._applied.apply(flushed_exp(columns, shifts), results)
         floored_log(results, shifts)
 
     def log_apply_far(self, logs: NDArray[np.float64], out: NDArray[np.float64]) -> None:

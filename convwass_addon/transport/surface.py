@@ -17,7 +17,7 @@ from ..geometry.mesh import TriangleMesh
 from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .domain import KernelTooNarrowError
-from .log_range import HEADROOM, LOG_NOTHING, NEGLIGIBLE, floored_log
+from .log_range import HEADROOM, LOG_NOTHING, floored_log, flushed_exp
 from .matern import cost_slope, kernel_distance, squared_distance
 from .mesh_levels import MeshLevel
 from .region import Region, ThroughWholeArrays
@@ -196,10 +196,7 @@ class Surface(ThroughWholeArrays):
         """
         columns = logs.reshape(-1, *self.shape)[:, self._used]
         shift = columns.max(axis=1, keepdims=True) - HEADROOM
-        columns -= shift
-        np.exp(columns, out=columns)
-        np.copyto(columns, 0.0, where=columns < NEGLIGIBLE)
-        columns = self._diffused(columns)
+        columns = self._diffused(flushed_exp(columns, shift, columns))
         floored_log(columns, shift)
         target = out.reshape(-1, *self.shape)
         target[...] = LOG_NOTHING
