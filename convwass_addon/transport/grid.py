@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
 from ..geometry.chunks import chunks
+from ..geometry.coarser_grid import doubled_along
 from ..geometry.products import contract
 from ..one_line import one_line
 from .gaussian import GaussianKernel
@@ -231,7 +232,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
                 low = max(span.start // 2 - 1, 0)
                 near = values[(slice(None),) * axis + (slice(low, span.stop // 2 + 2),)]
                 wanted = slice(span.start - 2 * low, span.stop - 2 * low)
-                values = _double(near, axis)[(slice(None),) * axis + (wanted,)]
+                values = doubled_along(near, axis)[(slice(None),) * axis + (wanted,)]
             np.take(np.ascontiguousarray(values).reshape(-1), region.index_in_box, out=target)
         return result
 
@@ -293,19 +294,3 @@ def _whole_row(sigma: float) -> float:
 
 def _bell(distance: NDArray[np.int64], sigma: float) -> NDArray[np.float64]:
     return np.exp(-(distance**2) / (2.0 * sigma**2))
-
-
-def _double(values: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """Double the cells of one axis by linear interpolation between cell centers, constant beyond the outer ones."""
-    shape = list(values.shape)
-    shape[axis] *= 2
-    doubled = np.empty(shape, values.dtype)
-    values, target = np.moveaxis(values, axis, 0), np.moveaxis(doubled, axis, 0)
-    np.multiply(values, 0.75, out=target[0::2])
-    target[1::2] = target[0::2]
-    quarter = values.dtype.type(0.25) * values
-    target[2::2] += quarter[:-1]
-    target[0] += quarter[0]
-    target[1:-1:2] += quarter[1:]
-    target[-1] += quarter[-1]
-    return doubled

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..geometry.coarser_grid import doubled
 from ..one_line import one_line
 from .domain import KernelTooNarrowError
 from .gaussian import GaussianKernel
@@ -217,7 +218,8 @@ class Sphere(GaussianKernel, ThroughWholeArrays):
         """Interpolate columns of the coarser sphere linearly, also across the poles, to a region, (k, len)."""
         result = np.empty((len(columns), len(region)), columns.dtype)
         for values, target in zip(columns, result, strict=True):
-            target[...] = region.gather(_doubled(_padded(values, self.part)))
+            padded = doubled(_padded(values, self.part), [side + 4 for side in self.shape])
+            target[...] = region.gather(padded[2:-2, 2:-2])
         return result
 
     def refined(self, support: Region, region: Region) -> Region:
@@ -247,15 +249,3 @@ def _padded(values: NDArray, part: Literal["whole", "upper"]) -> NDArray:
     south = np.roll(values[-1:], half, axis=1) if part == "whole" else values[-1:]
     rows = np.concatenate([np.roll(values[:1], half, axis=1), values, south])
     return np.concatenate([rows[:, -1:], rows, rows[:, :1]], axis=1)
-
-
-def _doubled(padded: NDArray) -> NDArray:
-    """Interpolate to cells of half the size, (2 n, 2 m) of padded (n + 2, m + 2)."""
-    three, one = padded.dtype.type(0.75), padded.dtype.type(0.25)
-    for axis in (0, 1):
-        lines = np.moveaxis(padded, axis, 0)
-        doubled = np.empty((2 * (len(lines) - 2), *lines.shape[1:]), padded.dtype)
-        doubled[0::2] = three * lines[1:-1] + one * lines[:-2]
-        doubled[1::2] = three * lines[1:-1] + one * lines[2:]
-        padded = np.moveaxis(doubled, 0, axis)
-    return padded
