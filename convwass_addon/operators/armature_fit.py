@@ -96,8 +96,6 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
     bl_label = "Fit Armature"
     _title = Sentence("Fitting armature")
 
-    _job: FitJob
-
     def _begin(self, context):
         from ..bridge.armatures.rigs import require_movable, rig_graph
 
@@ -116,9 +114,9 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         graph.require_pins_apart()
         return FitJob(body, rig, graph, self.skeleton_settings())
 
-    def _waits_for(self, context):
-        edited = self._job.edited
-        in_the_way = context.mode.startswith("EDIT") and self._job.rig_name not in edited
+    def _waits_for(self, context, job):
+        edited = job.edited
+        in_the_way = context.mode.startswith("EDIT") and job.rig_name not in edited
         if in_the_way or (self.auto_weights and edited):
             return Sentence("Done; leave Edit Mode to apply the result")
         return self._waits_for_stroke(context)

@@ -104,7 +104,7 @@ class BackgroundOperator:
 
     def work(self) -> Callable[[Control], Work[None]]:
         """Return the function that does the work, given a control."""
-        return self._steps()
+        return self._steps(self._job)
 
     @reporting_errors
     def _start(self, context: bpy.types.Context) -> set[str]:
@@ -144,7 +144,7 @@ class BackgroundOperator:
         else:
             if not written:
                 return {"PASS_THROUGH"}
-            waiting = None if stopping else self._waits_for(context)
+            waiting = None if stopping else self._waits_for(context, self._job)
             if waiting is not None:
                 self._show(context, 1.0, waiting)
                 return {"PASS_THROUGH"}
@@ -179,7 +179,7 @@ class BackgroundOperator:
         """Finish or discard the job after its thread has ended."""
         self._stop(context)
         error = self._background.error
-        if error is None and stopping and self._waits_for(context) is not None:
+        if error is None and stopping and self._waits_for(context, self._job) is not None:
             error = Cancelled("Cancelled.")
         try:
             if error is None:
@@ -190,7 +190,7 @@ class BackgroundOperator:
             error = failure
         if isinstance(error, Cancelled):
             self._job.discard()
-            self.report({"INFO"}, self._nothing_kept())
+            self.report({"INFO"}, self._nothing_kept(self._job))
             return {"CANCELLED"}
         return self._fail(error)
 
@@ -226,15 +226,15 @@ class BackgroundOperator:
         """Read the inputs. Invalid input must be refused here or before the first report."""
         raise NotImplementedError
 
-    def _steps(self) -> Callable[[Control], Work[None]]:
+    def _steps(self, job: Job) -> Callable[[Control], Work[None]]:
         """Return the function that does the work. It must not access Blender's data unless `_in_turn` is true."""
-        return self._job.steps
+        return job.steps
 
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
         """Write the result to the file and report it."""
         raise NotImplementedError
 
-    def _nothing_kept(self) -> str:
+    def _nothing_kept(self, job: Job) -> str:
         """Return the message for a stopped job without results, in the user's language."""
         return rpt_("Stopped; nothing was changed")
 
@@ -245,7 +245,7 @@ class BackgroundOperator:
     def _go_on(self) -> None:
         """Start what was to follow the job, if anything; not called if the user has stopped it."""
 
-    def _waits_for(self, context: bpy.types.Context) -> Sentence | None:
+    def _waits_for(self, context: bpy.types.Context, job: Job) -> Sentence | None:
         """Return what the user must do before the result can be written, or None."""
         return None
 

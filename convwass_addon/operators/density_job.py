@@ -15,8 +15,6 @@ from ..bridge.surfaces import ignored_notices, read_surface
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..sentence import Sentence
-from .background import BackgroundOperator
-from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
 
 if TYPE_CHECKING:
@@ -87,16 +85,6 @@ class DensityJob(ObjectJob, Generic[Result]):
         if len(obj.data.vertices) != self._count:
             raise other_vertices(obj)
         return obj
-
-
-class DensityOperator(BackgroundOperator):
-    """Base of operators with a `DensityJob`."""
-
-    _job: DensityJob
-
-
-class WritingDensityOperator(DensityOperator, MeshWritingOperator):
-    """Base of operators that write the result of a `DensityJob` to the mesh."""
 
 
 def slack_notices(frames: DensityFrames) -> list[Sentence]:

@@ -21,11 +21,13 @@ from ..progress import Control, Progress, Work
 from ..properties.densities import ON_SURFACE, SurfaceProperties
 from ..properties.from_schema import property_of, values_of
 from ..sentence import Sentence
+from .background import BackgroundOperator
 from .chosen_inputs import split_names
-from .density_job import DensityJob, DensityOperator, WritingDensityOperator
+from .density_job import DensityJob
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair
 from .mesh_targets import length_text, out_of_edit_mode
+from .mesh_writing import MeshWritingOperator
 from .reporting import tell
 
 if TYPE_CHECKING:
@@ -34,7 +36,7 @@ if TYPE_CHECKING:
     from ..applications.densities.vertex_distances import VertexDistances
 
 
-class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups, bpy.types.Operator):
+class CONVWASS_OT_measure_distance(SurfaceProperties, BackgroundOperator, OnGroups, bpy.types.Operator):
     """Measure the Wasserstein distance between two vertex groups along the surface, in scene units. Hidden and masked vertices are included"""  # noqa: E501
 
     bl_idname = "convwass.measure_distance"
@@ -89,7 +91,7 @@ def _inexact(converged: bool) -> list[Sentence]:
     return [] if converged else [Sentence("The distance is less exact than requested; try a larger blur.")]
 
 
-class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
+class CONVWASS_OT_measure_groups(BackgroundOperator, OnGroups, bpy.types.Operator):
     """Measure the distances between all pairs of vertex groups, as a table in the Text Editor; empty groups are ignored"""  # noqa: E501
 
     bl_idname = "convwass.measure_groups"
@@ -143,7 +145,7 @@ def _written(table: DistanceTable) -> str:
     return "".join("\t".join(row) + "\n" for row in rows)
 
 
-class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnMesh, bpy.types.Operator):
+class CONVWASS_OT_distance_from_vertices(OnVertices, MeshWritingOperator, OnMesh, bpy.types.Operator):
     """Write the distance along the surface from the selected vertices, or from a clicked point, to a vertex group. A weight of 1 is the distance of the farthest vertex. Vertices on other pieces of the mesh have weight 1 too"""  # noqa: E501
 
     bl_idname = "convwass.distance_from_vertices"
@@ -163,7 +165,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
             settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
             return DensityJob(obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
 
-    def _waits_for(self, context):
+    def _waits_for(self, context, job):
         # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.
         return self._waits_for_stroke(context)
 

@@ -21,10 +21,11 @@ from ..bridge.vertex_groups import read_group, write_group
 from ..progress import Control, Progress, Work
 from ..properties.densities import length_property, radius_property, share_property
 from ..sentence import Sentence
-from .density_job import DensityJob, WritingDensityOperator
+from .density_job import DensityJob
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_group, group_property
 from .mesh_targets import length_text, out_of_edit_mode
+from .mesh_writing import MeshWritingOperator
 from .reporting import tell
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ class _Painted:
     entropy: float
 
 
-class _PaintDensity(WritingDensityOperator):
+class _PaintDensity(MeshWritingOperator):
     """Base of operators that replace the weights of a group."""
 
     _title = Sentence("Painting")
@@ -65,7 +66,7 @@ class _PaintDensity(WritingDensityOperator):
         """Return a function that computes the new density of the group, (n,), without accessing Blender's data."""
         raise NotImplementedError
 
-    def _waits_for(self, context):
+    def _waits_for(self, context, job):
         # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.
         return self._waits_for_stroke(context)
 

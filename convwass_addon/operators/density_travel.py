@@ -25,17 +25,16 @@ from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
 from ..errors import InputError
 from ..properties.densities import PathProperties, TravelProperties
 from ..sentence import Sentence
-from .density_job import DensityJob, WritingDensityOperator, slack_notices
+from .density_job import DensityJob, slack_notices
 from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
+from .mesh_writing import MeshWritingOperator
 from .reporting import tell
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
 
 
-class CONVWASS_OT_interpolate_density(
-    PathProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
-):
+class CONVWASS_OT_interpolate_density(PathProperties, StopArguments, MeshWritingOperator, OnGroups, bpy.types.Operator):
     """Animate a density that travels along the surface from vertex group to vertex group. The result is one animated attribute that plays without the add-on. Hidden and masked faces are included, loose vertices hold no mass, and no mass moves between connected pieces of the mesh"""  # noqa: E501
 
     bl_idname = "convwass.interpolate_density"
@@ -107,9 +106,7 @@ def _require_frames(frames: Sequence[float]) -> None:
         )
 
 
-class CONVWASS_OT_blend_densities(
-    TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
-):
+class CONVWASS_OT_blend_densities(TravelProperties, StopArguments, MeshWritingOperator, OnGroups, bpy.types.Operator):
     """Blend vertex groups along the surface into a new group, with the weights on the list of stops. No mass moves between connected pieces of the mesh"""  # noqa: E501
 
     bl_idname = "convwass.blend_densities"
@@ -152,7 +149,7 @@ class CONVWASS_OT_blend_densities(
 
 
 class CONVWASS_OT_propagate_densities(
-    TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
+    TravelProperties, StopArguments, MeshWritingOperator, OnGroups, bpy.types.Operator
 ):
     """Fill in the stops without a group, or with an empty one, so that neighbors along the edges are as close to each other as possible; each result becomes a vertex group"""  # noqa: E501
 

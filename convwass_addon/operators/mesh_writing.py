@@ -17,10 +17,8 @@ _HOLDING_THE_MESH = ("PAINT_OT_", "SCULPT_OT_", "TRANSFORM_OT_", "MESH_OT_")
 class MeshWritingOperator(BackgroundOperator):
     """Base of operators whose result waits until the mesh can be written."""
 
-    _job: ObjectJob
-
-    def _waits_for(self, context):
-        if self._job.is_edited:
+    def _waits_for(self, context: bpy.types.Context, job: ObjectJob) -> Sentence | None:
+        if job.is_edited:
             return Sentence("Done; leave Edit Mode to apply the result")
         return self._waits_for_stroke(context)
 

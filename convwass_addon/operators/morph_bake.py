@@ -23,7 +23,7 @@ from ..progress import Control, Work
 from ..properties.morphs import MorphProperties
 from ..sentence import Sentence
 from ..translations import translated
-from .background import BackgroundOperator
+from .background import BackgroundOperator, Job
 from .chosen_inputs import ChosenInputs, baked_inputs, chosen_inputs
 from .morph_manage import is_free_to_bake, is_own
 from .morph_results import FrameResults, ShapeKeyResults, SwapResults, bake_following
@@ -197,12 +197,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
                 self.report({"WARNING"}, translated(error.sentence))
         return Computation(workers=preferred.workers, cache=cache, motions=FOUND_MOTIONS)
 
-    def _steps(self) -> Callable[[Control], Work[None]]:
+    def _steps(self, job: Job) -> Callable[[Control], Work[None]]:
         # Previews are only useful if the user can see them and stop the bake.
         computation = replace(self._computing, previews=self._in_background)
-        return lambda control: self._job.steps(control, computation)
+        return lambda control: job.steps(control, computation)
 
-    def _waits_for(self, _context: bpy.types.Context) -> Sentence | None:
+    def _waits_for(self, _context: bpy.types.Context, _job: Job) -> Sentence | None:
         """Return a message if an object that gets another mesh is in Edit Mode, where Blender keeps its mesh."""
         from ..bridge.one_mesh.records import objects_of
 
@@ -211,26 +211,24 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             return Sentence("Done; leave Edit Mode to apply the result")
         return None
 
-    def _results(self) -> FrameResults | ShapeKeyResults | SwapResults:
+    def _results(self, job: Job) -> FrameResults | ShapeKeyResults | SwapResults:
         from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
         from ..bridge.one_mesh.swap_job import SwapJob
 
-        if isinstance(self._job, SwapJob):
-            return SwapResults(self, self._job)
-        if isinstance(self._job, ShapeKeyJob):
-            return ShapeKeyResults(self, self._job)
-        return FrameResults(self, self._job, self._computing.cache)
+        if isinstance(job, SwapJob):
+            return SwapResults(self, job)
+        if isinstance(job, ShapeKeyJob):
+            return ShapeKeyResults(self, job)
+        return FrameResults(self, job, self._computing.cache)
 
-    def _nothing_kept(self) -> str:
-        return self._results().nothing_kept()
+    def _nothing_kept(self, job: Job) -> str:
+        return self._results(job).nothing_kept()
 
-    def _keep(self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob | SwapJob) -> bool:
-        return self._results().keep(context, self._own_scene(context))
+    def _keep(self, context: bpy.types.Context, job: Job) -> bool:
+        return self._results(job).keep(context, self._own_scene(context))
 
-    def _finish(
-        self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob | SwapJob
-    ) -> set[str]:
-        self._results().finish(context, self._own_scene(context))
+    def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
+        self._results(job).finish(context, self._own_scene(context))
         return {"FINISHED"}
 
     def _go_on(self) -> None:

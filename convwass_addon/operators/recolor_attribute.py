@@ -28,8 +28,6 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
 
     result: attribute_name_property()
 
-    _job: RecolorJob
-
     @classmethod
     def poll(cls, context):
         obj, giver = active_object(context), context.scene.convwass_recolor.palette_object
@@ -52,8 +50,8 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
         return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())
 
-    def _waits_for(self, context):
-        obj = self._job.target()
+    def _waits_for(self, context, job):
+        obj = job.target()
         return Sentence("Done; leave Edit Mode to apply the result") if obj.data.is_editmode else None
 
     def _finish(self, context, job):

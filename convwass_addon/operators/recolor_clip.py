@@ -102,7 +102,6 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
     image: image_property()
     folder: clip_folder_property()
 
-    _job: ClipJob
     _name: str
     _image: Handle
 

@@ -35,7 +35,6 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
 
     _title = Sentence("Matching palettes")
 
-    _job: TableJob
     _source: Handle
     _palette: str
 

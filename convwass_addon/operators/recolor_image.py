@@ -103,7 +103,6 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
     image: image_property()
     output: output_property()
 
-    _job: RecolorJob
     _palettes: list[str]
 
     def _begin(self, context):

@@ -129,7 +129,6 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         "Empty for the weights in the panel",
         options={"SKIP_SAVE"},
     )
-    _job: ReflectanceJob
 
     @classmethod
     def poll(cls, context):

@@ -127,8 +127,6 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         options={"SKIP_SAVE"},
     )
 
-    _job: SkyJob
-
     @classmethod
     def poll(cls, context):
         return is_idle(cls, context)

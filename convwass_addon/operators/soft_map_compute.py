@@ -37,8 +37,6 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
         options={"SKIP_SAVE"},
     )
 
-    _job: SoftMapJob
-
     def _begin(self, context):
         own = context.scene.convwass_soft_map
         require_storable_between(own.source, own.target)
@@ -177,8 +175,6 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
     _title = Sentence("Repairing soft map")
 
     threshold: threshold_property()
-
-    _job: RepairJob
 
     def _begin(self, context):
         from ..applications.soft_maps.map_repair import repaired_map

@@ -81,8 +81,6 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         options={"SKIP_SAVE"},
     )
 
-    _job: TransferJob
-
     def _begin(self, context):
         own = context.scene.convwass_soft_map
         if not self.what:
