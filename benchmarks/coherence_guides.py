@@ -155,7 +155,7 @@ def _off(motion: GuidedMotion, tips: NDArray[np.float64]) -> NDArray[np.float64]
             [_vertex(carrier.mesh.vertices, tip) for tip in tips[shape]]
             for carrier, shape in ((source, own), (target, other))
         )
-        found.append(np.linalg.norm(images[starts] - target.mesh.vertices[aims], axis=1) / target.size)
+        found.append(np.linalg.norm(images[starts] - target.mesh.vertices[aims], axis=1) / target.mesh.root_area)
     return np.stack(found)
 
 

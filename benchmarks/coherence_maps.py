@@ -89,12 +89,12 @@ def _one_fit(motion: GuidedMotion, own: int, other: int) -> dict[str, float]:
     there, back = motion.deformations[own, other], motion.deformations[other, own]
     weights = source.mesh.vertex_areas / source.mesh.area
     home = there.images.interpolated(back.points[target.mesh.faces])
-    trip = np.linalg.norm(home - source.mesh.vertices, axis=1) / source.size
+    trip = np.linalg.norm(home - source.mesh.vertices, axis=1) / source.mesh.root_area
     return {
         **asdict(map_quality(source, target, there)),
         "doubtful": float(weights[there.confidence < _DOUBTFUL].sum()),
         "round_trip_95": weighted_quantile(trip, weights, 0.95),
-        "left_99": weighted_quantile(there.images.distances / target.size, weights, 0.99),
+        "left_99": weighted_quantile(there.images.distances / target.mesh.root_area, weights, 0.99),
         "stretch": mean_stretch(source.mesh, there.points),
     }
 

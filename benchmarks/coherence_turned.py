@@ -109,14 +109,14 @@ def _errors(motion: GuidedMotion, starts: NDArray[np.float64], images: NDArray[n
     """Return how far a map sends points, (n, 3), from their known images, (n, 3), in sizes of the surface, (n,)."""
     source, target = (motion.carriers[shape] for shape in (0, 1))
     nearest = cKDTree(source.mesh.vertices).query(starts)[1]
-    return np.linalg.norm(motion.deformations[0, 1].points[nearest] - images, axis=1) / target.size
+    return np.linalg.norm(motion.deformations[0, 1].points[nearest] - images, axis=1) / target.mesh.root_area
 
 
 def _figures(off: NDArray[np.float64], mesh: TriangleMesh, wrong: Sequence[NDArray[np.float64]]) -> dict[str, float]:
     """Average the errors at the vertices of a mesh; `wrong` are the ends of wrong guides on it."""
     shares = mesh.vertex_areas / mesh.area
     apart = np.linalg.norm(mesh.vertices[:, None] - np.reshape(wrong, (-1, 3)), axis=2).min(axis=1, initial=np.inf)
-    beyond = shares * (apart > _AWAY * np.sqrt(mesh.area))
+    beyond = shares * (apart > _AWAY * mesh.root_area)
     return {
         "error": float(shares @ off),
         "wrong": float(shares[off > _WRONG].sum()),

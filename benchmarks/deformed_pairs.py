@@ -204,7 +204,7 @@ def deformed_pair(kind: PairKind, file: Path, vertices: int = 1000) -> DeformedP
     (raw,) = read_meshes([file])
     rest = _unit_area(raw)
     moved = TriangleMesh(kind.deform(rest), rest.faces)
-    moved = TriangleMesh(moved.vertices / np.sqrt(moved.area), moved.faces)
+    moved = TriangleMesh(moved.vertices / moved.root_area, moved.faces)
     source = _spread_evenly(rest, vertices)
     target = decimated(moved, 2 * vertices)
     truth = _carried(source.vertices, rest, moved, target)
@@ -219,7 +219,7 @@ def deformed_pair(kind: PairKind, file: Path, vertices: int = 1000) -> DeformedP
 
 
 def _unit_area(mesh: TriangleMesh) -> TriangleMesh:
-    return TriangleMesh(mesh.vertices / np.sqrt(mesh.area), mesh.faces)
+    return TriangleMesh(mesh.vertices / mesh.root_area, mesh.faces)
 
 
 def _spread_evenly(mesh: TriangleMesh, count: int) -> TriangleMesh:

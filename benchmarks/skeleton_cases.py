@@ -114,7 +114,7 @@ def _straight(graph: JointGraph, lengths: NDArray[np.float64]) -> NDArray[np.flo
 
 def _score(placed: JointGraph, positions: NDArray[np.float64], body: SkeletonBody) -> dict[str, float]:
     free = ~placed.pinned
-    errors = np.linalg.norm(positions - placed.positions, axis=1)[free] / body.size
+    errors = np.linalg.norm(positions - placed.positions, axis=1)[free] / body.surface.diagonal
     inside = body.inside.contains(positions[free])
     return {"inside": 100.0 * float(inside.mean()), "error": 100.0 * float(errors.mean())}
 

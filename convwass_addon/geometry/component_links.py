@@ -40,7 +40,7 @@ def component_links(mesh: TriangleMesh, control: Control) -> Links:
     sizes = np.bincount(labels)
     if len(sizes) < 2:
         return Links.none()
-    size = np.sqrt(mesh.area)
+    size = mesh.root_area
     ends, lengths = [np.empty((0, 2), np.int64)], [np.empty(0)]
     for own, found in _closest_outside(mesh.vertices, labels, sizes, control):
         nearest = np.argsort(found[0], kind="stable")

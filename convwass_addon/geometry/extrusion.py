@@ -71,7 +71,7 @@ def common_extrusions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float6
         frame = _frame(axis)
         found = found_for_all(partial(_extrusion, frame=frame), meshes)
         if found is not None:
-            thickness = sum((own.high - own.low) / np.sqrt(own.section.area) for own in found)
+            thickness = sum((own.high - own.low) / own.section.root_area for own in found)
             if thickness < (1.0 - _ROUNDING) * thinnest:
                 best, thinnest = (frame, found), thickness
     return best

@@ -47,7 +47,7 @@ class FacingPointFinder:
         self._corners = mesh.corners
         self._closest = ClosestPointFinder(mesh.corners)
         self._normals = mesh.face_normals
-        self._turn = _TURN * np.sqrt(mesh.area)
+        self._turn = _TURN * mesh.root_area
         self._tree: cKDTree | None = None
 
     def find(

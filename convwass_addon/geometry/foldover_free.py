@@ -81,7 +81,7 @@ def foldover_free(
     """
     labels = vertex_components(mesh)
     # The first step of the minimizer depends on the scale.
-    center, size = start.mean(axis=0), np.sqrt(mesh.area)
+    center, size = start.mean(axis=0), mesh.root_area
     # Components do not depend on each other; one that is difficult would keep the others from ending.
     points, distortion = (start - center) / size, 0.0
     for component in range(labels.max(initial=-1) + 1):

@@ -56,7 +56,7 @@ def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -
     offset : float
         Product of that vector with the points of the line; beyond it is where the product is larger.
     """
-    near = _ON_LINE * np.sqrt(boundary.area)
+    near = _ON_LINE * boundary.root_area
     starts, before = _snapped(boundary.starts, along, offset, near)
     ends, after = _snapped(boundary.ends, along, offset, near)
     is_first, is_last = before >= 0.0, after >= 0.0

@@ -97,6 +97,11 @@ class TriangleMesh:
         return float(self.face_areas.sum())
 
     @property
+    def root_area(self) -> float:
+        """Square root of the surface area: a size that does not depend on the pose."""
+        return float(np.sqrt(self.area))
+
+    @property
     def area_center(self) -> NDArray[np.float64]:
         """Center of the surface, (3,)."""
         return self.vertex_areas @ self.vertices / self.area

@@ -114,7 +114,7 @@ def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
 
     Where a shape is not nearly symmetric, they are too short.
     """
-    samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
+    samples, size = TriangleSamples.of(mesh.corners), mesh.root_area
     points = (samples.points - mesh.area_center) / size
     normals = mesh.face_normals[samples.triangles]
     tree = point_tree(np.hstack([points, _NORMALS * normals]))

@@ -65,6 +65,11 @@ class Boundary:
         return 0.5 * float(plane_cross(self.starts - middle, self.ends - middle).sum())
 
     @property
+    def root_area(self) -> float:
+        """Square root of the filled area."""
+        return float(np.sqrt(self.area))
+
+    @property
     def center(self) -> NDArray[np.float64]:
         """Center of mass of the filled area, (2,)."""
         middle = self.starts.mean(axis=0)

@@ -80,7 +80,7 @@ def bendable(mesh: TriangleMesh, most_vertices: int = 60_000, image: Image | Non
     image : callable, optional
         Where points of the shape move; edges that become too long are divided, too.
     """
-    return with_short_edges(mesh, _BENDING * np.sqrt(mesh.area), max(len(mesh.vertices), most_vertices), image)
+    return with_short_edges(mesh, _BENDING * mesh.root_area, max(len(mesh.vertices), most_vertices), image)
 
 
 @dataclass(frozen=True)

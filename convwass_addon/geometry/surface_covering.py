@@ -45,7 +45,7 @@ def covering(mesh: TriangleMesh, surface: TriangleMesh, control: Control = UNINT
     """
     finder, facing = FacingPointFinder(surface), surface.face_normals
     wanted = surface.vertex_normals
-    size, points = np.sqrt(surface.area), mesh.vertices
+    size, points = surface.root_area, mesh.vertices
     for number in range(_ROUNDS):
         control.check()
         normals = vertex_normals(points, mesh.faces)

@@ -33,7 +33,7 @@ def surface_graph(mesh: TriangleMesh) -> csr_array:
     lengths = edge_lengths(mesh.vertices, ends)
     crossing, across = _lines_across(mesh.vertices, faces, use)
     rows, columns = np.concatenate([ends, crossing]).T
-    values = np.maximum(np.concatenate([lengths, across]), _SHORTEST * np.sqrt(mesh.area))
+    values = np.maximum(np.concatenate([lengths, across]), _SHORTEST * mesh.root_area)
     count = len(mesh.vertices)
     order = np.lexsort((values, columns, rows))
     rows, columns, values = rows[order], columns[order], values[order]

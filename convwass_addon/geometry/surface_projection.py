@@ -58,7 +58,7 @@ def projection_rounds(
     """
     smoothness = _SMOOTHNESS * edge_laplacian(moved.faces, np.ones(len(moved.vertices)))
     facing = target.face_normals
-    reach = _REACH * np.sqrt(target.area)
+    reach = _REACH * target.root_area
     points = moved.vertices
     for _ in range(PROJECTION_ROUNDS):
         control.check()

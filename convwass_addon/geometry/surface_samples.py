@@ -65,7 +65,7 @@ class SurfaceSamples:
         labels = vertex_components(mesh)
         used = np.flatnonzero(labels >= 0)
         seeds = used[far_points(mesh.vertices[used], min(count, len(used)), _EQUAL)]
-        size = float(np.sqrt(mesh.area))
+        size = mesh.root_area
         pairs = point_tree(mesh.vertices[seeds]).query_pairs(reach * size, output_type="ndarray").astype(np.int64)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
         apart = labels[seeds[pairs[:, 0]]] != labels[seeds[pairs[:, 1]]]
@@ -98,7 +98,7 @@ def _blended(mesh: TriangleMesh, seeds: NDArray[np.int64]) -> csr_array:
     both = np.concatenate([ends, ends[:, ::-1]])
     uses = coo_array((np.ones(len(both)), both.T), shape=shape).tocsr()
     # Integers are summed without rounding, so ties do not depend on where the mesh is.
-    steps = np.maximum(np.round(lengths / (_STEP * np.sqrt(mesh.area))), 1.0)
+    steps = np.maximum(np.round(lengths / (_STEP * mesh.root_area)), 1.0)
     graph = coo_array((np.tile(steps, 2), both.T), shape=shape).tocsr()
     graph.data = np.round(graph.data / uses.data)
     away, _, sources = dijkstra(graph, directed=False, indices=seeds, min_only=True, return_predecessors=True)

@@ -52,7 +52,7 @@ def surface_tips(mesh: TriangleMesh, persistence: float) -> list[SurfaceTip]:
         How much farther a tip is from all points on average than the point from which it can be told apart from a
         farther one, in sizes of the surface.
     """
-    graph, size = surface_graph(mesh), np.sqrt(mesh.area)
+    graph, size = surface_graph(mesh), mesh.root_area
     heights = _mean_distances(mesh, graph) / size
     tips = [vertex for vertex, prominence in _maxima(heights, graph) if prominence >= persistence]
     return [SurfaceTip(vertex, surface_distances(graph, [vertex])[0] / size) for vertex in tips]

@@ -83,7 +83,7 @@ def unfolded(
     for sweep, uncovered in enumerate(_UNCOVERED):
         done = sweep * (len(chosen) + 1)
         for number, rings in enumerate(chosen):
-            for share in unfolding.embed(rings, uncovered * np.sqrt(folds.target.area), control):
+            for share in unfolding.embed(rings, uncovered * folds.target.root_area, control):
                 yield report(done + number + share)
         for share in unfolding.move_single(control):
             yield report(done + len(chosen) + share)

@@ -90,5 +90,5 @@ def _samples(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float6
     chosen = used[:: max(len(used) // _SAMPLES, 1)]
     areas = mesh.vertex_areas
     middle = areas @ mesh.vertices / areas.sum()
-    points = (mesh.vertices[chosen] - middle) / np.sqrt(mesh.area)
+    points = (mesh.vertices[chosen] - middle) / mesh.root_area
     return points, mesh.vertex_normals[chosen], areas[chosen] / areas[chosen].sum()

@@ -84,7 +84,7 @@ def test_two_or_three_pairs_tell_left_from_right(arms, is_mirrored, pairs, bend)
     chosen = other.vertices[found.costs.argmin(axis=1)]
     right = np.linalg.norm(chosen - wanted, axis=1) < np.linalg.norm(chosen - wrong, axis=1)
     assert right[off].mean() > 0.99
-    assert np.linalg.norm(chosen - wanted, axis=1).mean() < 0.03 * np.sqrt(mesh.area)
+    assert np.linalg.norm(chosen - wanted, axis=1).mean() < 0.03 * mesh.root_area
 
 
 def test_moving_scaling_and_reordering_change_nothing(arms):

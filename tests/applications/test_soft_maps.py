@@ -56,7 +56,7 @@ def ends(mesh, count):
 
 def errors(points, other, truth):
     """Distances from the true points, relative to the size of the other surface."""
-    return np.linalg.norm(points.positions(other) - truth, axis=1) / np.sqrt(other.area)
+    return np.linalg.norm(points.positions(other) - truth, axis=1) / other.root_area
 
 
 @cache
@@ -136,7 +136,7 @@ def test_the_distribution_of_a_vertex_lies_around_its_point():
         assert density.min() >= 0
         assert density @ areas == pytest.approx(1.0, abs=1e-4)
         middle = (density * areas) @ target.vertices
-        assert np.linalg.norm(middle - positions[vertex]) < 0.06 * np.sqrt(target.area)
+        assert np.linalg.norm(middle - positions[vertex]) < 0.06 * target.root_area
     with pytest.raises(InputError, match="no vertex 99999"):
         distribution_of(found, 99999)
 

@@ -16,7 +16,7 @@ from tests.shapes import ball, box, tube_with_caps
 
 
 def fine(mesh):
-    return with_short_edges(mesh, 0.03 * np.sqrt(mesh.area), 20_000).mesh
+    return with_short_edges(mesh, 0.03 * mesh.root_area, 20_000).mesh
 
 
 def test_a_rod_has_its_axis_up_to_its_ends():

@@ -29,7 +29,7 @@ def test_a_person_has_five_tips():
 def test_the_persistence_of_the_end_of_a_rod_is_a_quarter_of_its_length():
     """Points on a thin rod are half of its length away from its end on average, and a quarter from its middle."""
     rod = capsules((((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.05),), (-1.2, -0.1, -0.1), (1.2, 0.1, 0.1), 0.02)
-    expected = 0.25 * 2.1 / np.sqrt(rod.area)
+    expected = 0.25 * 2.1 / rod.root_area
     assert len(places(rod, 0.93 * expected)) == 2
     assert len(places(rod, 1.07 * expected)) == 0
 
@@ -55,10 +55,10 @@ def test_distances_are_lengths_along_the_surface_in_its_sizes():
     rod = bent_tube(np.pi)
     tips = surface_tips(rod, 0.1)
     assert len(tips) == 2
-    between = tips[0].distances[tips[1].vertex] * np.sqrt(rod.area)
+    between = tips[0].distances[tips[1].vertex] * rod.root_area
     direct = np.linalg.norm(rod.vertices[tips[0].vertex] - rod.vertices[tips[1].vertex])
     assert between > 1.3 * direct
-    assert tips[1].distances[tips[0].vertex] * np.sqrt(rod.area) == pytest.approx(between)
+    assert tips[1].distances[tips[0].vertex] * rod.root_area == pytest.approx(between)
 
 
 def test_only_the_largest_component_and_no_loose_vertex_has_tips():

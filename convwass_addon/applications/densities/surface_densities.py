@@ -54,7 +54,7 @@ def density_surface(
     check_surface_memory(mesh)
     if blur is None or not mesh.area > 0:
         return Surface(mesh.vertices, mesh.faces, None, substeps, control)
-    size = float(np.sqrt(mesh.area))
+    size = mesh.root_area
     if not (np.isfinite(blur) and blur > 0):
         raise InputError("The blur must be a positive length, or left out.")
     if blur > size:

@@ -72,11 +72,6 @@ class Carrier:
     blend: csr_array | None
     poisson: PoissonDeformation = field(repr=False)
 
-    @property
-    def size(self) -> float:
-        """Square root of the area."""
-        return float(np.sqrt(self.mesh.area))
-
     @cached_property
     def unit(self) -> UnitShape:
         """The mesh rescaled to unit area."""

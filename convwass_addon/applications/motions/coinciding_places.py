@@ -42,7 +42,7 @@ def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.i
 def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the vertices relative to the centroid of the surface, in sizes of the surface."""
     middle = mesh.area_center
-    return (mesh.vertices - middle) / np.sqrt(mesh.area)
+    return (mesh.vertices - middle) / mesh.root_area
 
 
 def _found(

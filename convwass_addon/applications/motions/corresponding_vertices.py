@@ -66,7 +66,7 @@ def _looks_alike(mesh: TriangleMesh, turn: NDArray[np.float64]) -> bool:
     center = mesh.area_center
     some = mesh.corners[:: 1 + len(mesh.faces) // _SOME, 0] - center
     found = ClosestPointFinder(mesh.corners).find_about(some @ turn.T + center)
-    return bool(found.distances.max() <= _ALIKE * np.sqrt(mesh.area))
+    return bool(found.distances.max() <= _ALIKE * mesh.root_area)
 
 
 def corresponding_pair(shapes: tuple[TriangleMesh, TriangleMesh], carriers: tuple[Carrier, Carrier]) -> MappedPair:
@@ -133,7 +133,7 @@ class _Components:
         sizes = np.bincount(own, minlength=count)
         triangles = np.bincount(labels[proper_faces(first.faces)[:, 0]], minlength=count)
         _, kinds = np.unique(np.stack([sizes, triangles], axis=1), axis=0, return_inverse=True)
-        points = [(mesh.vertices[used] - mesh.area_center) / np.sqrt(mesh.area) for mesh in (first, second)]
+        points = [(mesh.vertices[used] - mesh.area_center) / mesh.root_area for mesh in (first, second)]
         areas = [np.bincount(own, mesh.vertex_areas[used], count) / mesh.area for mesh in (first, second)]
         centers = np.stack([label_sums(own, each, count) for each in points]) / sizes[:, None]
         here, there = (each - center[own] for each, center in zip(points, centers, strict=True))

@@ -53,8 +53,8 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
     if mesh.vertex_areas @ core < _ENOUGH * mesh.area:
         return None
     shape, target = own.unit, other.unit
-    center = other.mesh.vertices[0] - other.size * target.vertices[0]
-    laid = Registration(shape, target, np.empty((0, 2), np.int64), (mesh.vertices - center) / other.size)
+    center = other.mesh.vertices[0] - other.mesh.root_area * target.vertices[0]
+    laid = Registration(shape, target, np.empty((0, 2), np.int64), (mesh.vertices - center) / other.mesh.root_area)
     # Closest points must not attract the front to parts that it has not reached yet.
     laid.reach = _REACH
     graph = shape.graph
@@ -69,7 +69,7 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
             _lead_on(laid, shape.vertices, graph, reached, beyond)
     laid.pulled, laid.reach = np.ones(len(away)), np.inf
     laid.advance(_SETTLING, control)
-    return other.size * laid.points + center
+    return other.mesh.root_area * laid.points + center
 
 
 def _lead_on(

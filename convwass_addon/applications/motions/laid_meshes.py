@@ -96,7 +96,7 @@ def registered(
     part = TriangleMesh(mesh.vertices[own], faces_between(mesh.faces, own, len(mesh.vertices)))
     shape = source.unit if len(own) == len(mesh.vertices) else UnitShape.of(part)
     other = target.unit
-    size = np.sqrt(target.mesh.area)
+    size = target.mesh.root_area
     center = target.mesh.vertices[0] - size * other.vertices[0]
     ours = pairs[np.isin(pairs[:, 0], own)]
     ours = np.stack([np.searchsorted(own, ours[:, 0]), ours[:, 1]], axis=1)
@@ -127,4 +127,4 @@ def home_distances(source: Carrier, target: Carrier, there: NDArray[np.float64],
     """Return the round-trip error of every vertex, (n,), in sizes of the source."""
     mesh, other = source.mesh, target.mesh
     images = target.finder.find(there, vertex_normals(there, mesh.faces))
-    return np.linalg.norm(images.interpolated(back[other.faces]) - mesh.vertices, axis=1) / source.size
+    return np.linalg.norm(images.interpolated(back[other.faces]) - mesh.vertices, axis=1) / source.mesh.root_area

@@ -101,10 +101,10 @@ class Limbs:
                 # Not on another component, such as an eye.
                 away = np.where(np.isfinite(distances[own[0]]), np.linalg.norm(mesh.vertices - between, axis=1), np.inf)
                 vertices.append(int(away.argmin()))
-                distances.append(surface_distances(surface_graph(mesh), vertices[-1:])[0] / np.sqrt(mesh.area))
+                distances.append(surface_distances(surface_graph(mesh), vertices[-1:])[0] / mesh.root_area)
         away = np.array(distances).reshape(len(vertices), len(mesh.vertices))
         around = (away < _AROUND) * mesh.vertex_areas
-        forward = np.cross([0.0, 0.0, 1.0], plane.normal) / np.sqrt(mesh.area)
+        forward = np.cross([0.0, 0.0, 1.0], plane.normal) / mesh.root_area
         along, ends = mesh.vertices @ forward, np.array(vertices, np.int64)
         return cls(
             limbs,
@@ -170,7 +170,7 @@ def _is_upright(mesh: TriangleMesh, along: NDArray[np.float64], away: NDArray[np
     parts = [mesh.vertex_areas * ((away >= low) & (away < high)) for low, high in pairwise(_SHIN)]
     if not all(part.any() for part in parts):
         return False
-    heights = mesh.vertices[:, 2] / np.sqrt(mesh.area)
+    heights = mesh.vertices[:, 2] / mesh.root_area
     ahead, up = (np.diff([part @ values / part.sum() for part in parts]) for values in (along, heights))
     return bool((np.abs(ahead) <= _MOST_LEAN * up).all())
 
@@ -180,7 +180,7 @@ def _symmetric(mesh: TriangleMesh, plane: MirrorPlane, vertices: list[int]) -> l
     if not vertices:
         return []
     points = mesh.vertices[vertices]
-    away = np.linalg.norm(points[None] - plane.mirrored(points)[:, None], axis=2) / np.sqrt(mesh.area)
+    away = np.linalg.norm(points[None] - plane.mirrored(points)[:, None], axis=2) / mesh.root_area
     sides, found = plane.heights(points), []
     for tip, image in enumerate(away.argmin(axis=1).tolist()):
         if image == tip:

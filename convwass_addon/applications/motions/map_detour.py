@@ -46,7 +46,7 @@ def map_detour(shapes: Sequence[TriangleMesh], images: Sequence[NDArray[np.float
     """
     moved = [_spread(mesh, ends - mesh.vertices) for mesh, ends in zip(shapes, images, strict=True)]
     apart = _distance(*(_points(mesh) for mesh in shapes))
-    if apart <= _SAME * np.sqrt(shapes[0].area):
+    if apart <= _SAME * shapes[0].root_area:
         return 1.0
     return float(np.sqrt(np.mean(moved)) / apart)
 

@@ -193,7 +193,7 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return vertices of a shape relative to its center, (k, 3), in sizes of the surface."""
-    return (carrier.mesh.vertices[vertices] - carrier.mesh.area_center) / carrier.size
+    return (carrier.mesh.vertices[vertices] - carrier.mesh.area_center) / carrier.mesh.root_area
 
 
 def registering(one: Carrier, other: Carrier) -> Sentence:

@@ -111,8 +111,8 @@ class _Reflection:
             mirrored = plane.mirrored(points)
             away, nearest = point_tree(shape.mesh.vertices[used]).query(mirrored)
             images[:, k] = used[nearest]
-            is_there &= away < _ON_SHAPE * shape.size
-            same.append(np.linalg.norm(mirrored[:, None] - points, axis=2) < _SAME * shape.size)
+            is_there &= away < _ON_SHAPE * shape.mesh.root_area
+            same.append(np.linalg.norm(mirrored[:, None] - points, axis=2) < _SAME * shape.mesh.root_area)
             sides *= _beside(shape, plane, pairs[:, k])
         are_new = (sides != 0.0) & is_there & ~(same[0] | same[1]).any(axis=1)
         are_known = (sides != 0.0) & (same[0] & same[1]).any(axis=1)
@@ -141,5 +141,5 @@ def _turn_between(normal: NDArray[np.float64], other: NDArray[np.float64]) -> ND
 
 def _beside(shape: Carrier, plane: MirrorPlane, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return on which side of a plane vertices are, (k,): -1, 0 or 1."""
-    heights = plane.heights(shape.mesh.vertices[vertices]) / shape.size
+    heights = plane.heights(shape.mesh.vertices[vertices]) / shape.mesh.root_area
     return np.sign(heights) * (np.abs(heights) > _BESIDE)

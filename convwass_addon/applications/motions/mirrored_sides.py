@@ -103,7 +103,7 @@ class MirroredSides:
     @cached_property
     def _asymmetries(self) -> list[NDArray[np.float64]]:
         """Distances of the mirror images of the vertices of both shapes from the shapes, (n,), in sizes."""
-        return [images.distances / np.sqrt(mesh.area) for images, mesh in zip(self._images, self.meshes, strict=True)]
+        return [images.distances / mesh.root_area for images, mesh in zip(self._images, self.meshes, strict=True)]
 
     def mirrored(self, k: int, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values at the vertices of shape k, (n, ...), at the mirror images of the vertices instead."""
@@ -120,7 +120,7 @@ class MirroredSides:
 
     def _sizes_between(self, k: int, points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distances of two maps of shape k, (n,), in sizes of the surface mapped to."""
-        return np.linalg.norm(points - images, axis=1) / np.sqrt(self.meshes[1 - k].area)
+        return np.linalg.norm(points - images, axis=1) / self.meshes[1 - k].root_area
 
     def evened_map(self, k: int, points: NDArray[np.float64], costs: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a map of shape k that is its own mirror image where both shapes are.

@@ -227,7 +227,7 @@ def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], shapes: _MapShap
     for side, carrier in enumerate(shapes.both):
         places, marked = carrier.mesh.vertices[seeds[:, side]], carrier.mesh.vertices[pairs[:, side]]
         apart = np.linalg.norm(places[:, None] - marked[None], axis=2).min(axis=1, initial=np.inf)
-        far &= apart > _ASTRAY * carrier.size
+        far &= apart > _ASTRAY * carrier.mesh.root_area
     return seeds[far]
 
 
@@ -256,7 +256,7 @@ def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[n
     missed = []
     for points, other, own, partners in ways:
         places = points.positions(other.mesh)[own]
-        apart = np.linalg.norm(places - other.mesh.vertices[partners], axis=1) / other.size
+        apart = np.linalg.norm(places - other.mesh.vertices[partners], axis=1) / other.mesh.root_area
         missed.append(np.where(np.isfinite(apart), apart, np.inf))
     return np.minimum(*missed)
 
@@ -269,7 +269,9 @@ def _confidence_around(
     means = []
     for carrier, points, vertices in sides:
         mesh = carrier.mesh
-        near = np.linalg.norm(mesh.vertices[vertices][:, None] - mesh.vertices, axis=2) < _AROUND * carrier.size
+        near = (
+            np.linalg.norm(mesh.vertices[vertices][:, None] - mesh.vertices, axis=2) < _AROUND * carrier.mesh.root_area
+        )
         weights = near * mesh.vertex_areas
         confidence = np.where(points.found, points.confidence, 0.0)
         means.append(weights @ confidence / np.maximum(weights.sum(axis=1), np.finfo(float).tiny))

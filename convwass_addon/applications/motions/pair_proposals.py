@@ -100,11 +100,11 @@ class DraftPair:
         there = other.mesh.vertex_normals
         origins = FacingPointFinder(lying).find(other.mesh.vertices, there)
         home = origins.interpolated(mesh.corners)
-        trip = np.linalg.norm(images.interpolated(home[other.mesh.faces]) - mesh.vertices, axis=1) / own.size
-        away = images.distances / other.size
+        trip = np.linalg.norm(images.interpolated(home[other.mesh.faces]) - mesh.vertices, axis=1) / own.mesh.root_area
+        away = images.distances / other.mesh.root_area
         misfit = np.minimum(trip / _TRIP, 1.0) + np.minimum(away / _AWAY, 1.0)
         costs = misfit + np.minimum(_vertex_stretch(own, points) / _STRETCH, 1.0)
-        missed = np.minimum(origins.distances / other.size / _AWAY, 1.0)
+        missed = np.minimum(origins.distances / other.mesh.root_area / _AWAY, 1.0)
         inverse = Laid(home, np.exp(-np.square(missed + origins.interpolated(costs[mesh.faces][:, :, None])[:, 0])))
         return Proposal(points, costs, weighted_quantile(misfit, mesh.vertex_areas, _MOST), inverse)
 
@@ -152,8 +152,8 @@ def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
     mesh = own.mesh
     areas = mesh.vertex_areas / mesh.area
     edges = mesh_edges(mesh.faces)
-    apart = np.linalg.norm(one.points - other.points, axis=1) / own.size
-    lengths = edge_lengths(mesh.vertices, edges) / own.size
+    apart = np.linalg.norm(one.points - other.points, axis=1) / own.mesh.root_area
+    lengths = edge_lengths(mesh.vertices, edges) / own.mesh.root_area
     seams = _SEAM * lengths * apart[edges].mean(axis=1)
     second = fused_choice(np.stack([areas * one.costs, areas * other.costs]), edges, seams)
     costs = np.where(second, other.costs, one.costs)
@@ -182,7 +182,7 @@ def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64
     if np.trace(turn) > 1.0 + 2.0 * np.cos(_TURNED):
         turn = np.eye(3)
     centers = [part.area_center for part in (mesh, other.mesh)]
-    return other.size / own.size * (mesh.vertices - centers[0]) @ turn.T + centers[1]
+    return other.mesh.root_area / own.mesh.root_area * (mesh.vertices - centers[0]) @ turn.T + centers[1]
 
 
 def total_cost(drafts: DraftPair, found: list[Proposal], sides: MirroredSides | None = None) -> float:

@@ -99,7 +99,7 @@ class GrownPair:
         near = np.ones(len(pairs), bool)
         for k, (own, other) in enumerate((self.drafts, self.drafts[::-1])):
             apart = self.found[k].points[own.places(pairs[:, k])] - other.rest.vertices[pairs[:, 1 - k]]
-            near &= np.linalg.norm(apart, axis=1) < _NO_LIMB * other.size
+            near &= np.linalg.norm(apart, axis=1) < _NO_LIMB * other.mesh.root_area
         return near
 
 

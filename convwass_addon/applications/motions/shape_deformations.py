@@ -224,7 +224,7 @@ def _least_on_average(source: Carrier, whole: NDArray[np.float64], vectors: NDAr
 
 def _smooth_rotations(source: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean rotations of neighborhoods of every vertex, (n, 3, 3)."""
-    centered = (points - points.mean(axis=0)) / source.size
+    centered = (points - points.mean(axis=0)) / source.mesh.root_area
     fits = source.unit.elastic.fits(centered, _TURN_WIDTH)
     turns = nearest_rotations(np.ascontiguousarray(np.moveaxis(fits, 0, 2))).rotations
     return np.ascontiguousarray(np.moveaxis(turns, 2, 0))

@@ -151,7 +151,7 @@ def _thickness(mesh: TriangleMesh, means: EdgeMeans, control: Control) -> NDArra
     chosen = np.arange(0, len(mesh.vertices), max(1, len(mesh.vertices) // _BALLS))
     # Vertices between those with balls take the radius of the nearest that faces the same way.
     normals = mesh.vertex_normals
-    places = np.concatenate([mesh.vertices, _TURN * np.sqrt(mesh.area) * normals], axis=1)
+    places = np.concatenate([mesh.vertices, _TURN * mesh.root_area * normals], axis=1)
     tree, nearest = cKDTree(places[chosen]), np.empty(len(places), np.int64)
     for some in chunks(len(places), _AT_ONCE):
         control.check()

@@ -71,7 +71,7 @@ class ExtrudedShape:
         """
         corners = mesh.corners[visible_triangles(mesh)] @ frame.T
         ends = [_End.of(corners, side) for side in (-1.0, 1.0)]
-        fine, triangles, heights = _followed(section, ends, np.sqrt(extrusion.section.area))
+        fine, triangles, heights = _followed(section, ends, extrusion.section.root_area)
         solid = prism(fine, heights)
         rest = TriangleMesh(solid.vertices @ frame, solid.faces)
         parents = FacingPointFinder(mesh).find(rest.corners.mean(axis=1), rest.face_normals).triangles

@@ -92,7 +92,7 @@ def with_limbs(
         rest, attached = unmoved(flat, len(bodies), index).rest, []
         # What was cut off last is attached first.
         for limb in reversed(body.limbs):
-            rest, own = with_limb(rest, limb, TRIANGLES * body.shape.size, body.shape.marks)
+            rest, own = with_limb(rest, limb, TRIANGLES * body.shape.filled.root_area, body.shape.marks)
             attached.append(own)
         rests.append(rest)
         limbs.append(tuple(attached))

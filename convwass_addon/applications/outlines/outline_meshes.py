@@ -57,11 +57,11 @@ def region_meshes(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], ed
     edge : float
         Length of the edges, relative to the size of the shape.
     """
-    length = edge * shape.size
+    length = edge * shape.filled.root_area
     found = []
     for region in shape.regions:
         curves = [shape.curves[index] for index in region.curves]
-        narrow = _narrow_places(curves, shape.size)
+        narrow = _narrow_places(curves, shape.filled.root_area)
         rim = [
             curve.resampled(np.concatenate([knots[index], own]), min(length, curve.length / _FEWEST))
             for index, curve, own in zip(region.curves, curves, narrow, strict=True)

@@ -91,17 +91,12 @@ class OutlinedShape:
     def of(cls, filled: Boundary) -> OutlinedShape:
         """Divide a boundary into curves."""
         outline = outline_of(filled)
-        curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * np.sqrt(filled.area))
+        curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * filled.root_area)
         regions, first = [], 0
         for region in outline.regions:
             regions.append(OutlinedRegion(0, tuple(range(1, len(region.rings)))).moved(first))
             first += len(region.rings)
         return cls(filled, tuple(curves), tuple(regions))
-
-    @property
-    def size(self) -> float:
-        """Square root of the area."""
-        return float(np.sqrt(self.filled.area))
 
     @property
     def region_places(self) -> NDArray[np.float64]:
@@ -180,7 +175,7 @@ class OutlinedShape:
             Ends of the slit, as places on the curve around the region and on that around the hole.
         """
         region = self.regions[index]
-        outer = opened_curve(self.curves[region.outer], self.curves[hole], places, _SLIT * self.size)
+        outer = opened_curve(self.curves[region.outer], self.curves[hole], places, _SLIT * self.filled.root_area)
         holes = tuple(own for own in region.holes if own != hole)
         whole = self._changed(index, replace(region, outer=len(self.curves), holes=holes), [outer])
         # Without the curves that the slit has connected.
@@ -193,10 +188,10 @@ class OutlinedShape:
         steps = (np.arange(_CELLS) + 0.5) / _CELLS
         x, y = np.meshgrid(*(low + (high - low) * steps for low, high in filled.bounds.T), indexing="ij")
         cells = np.concatenate([place[None], np.stack([x.ravel(), y.ravel()], axis=1)])
-        spacing = _INSIDE * self.size / 3.0
+        spacing = _INSIDE * self.filled.root_area / 3.0
         around = [self.curves[index] for index in own.curves]
         rim = np.concatenate([curve.resampled(curve.starts[:-1], spacing).points for curve in around])
-        free = filled.contains(cells) & (cKDTree(rim).query(cells)[0] > _INSIDE * self.size)
+        free = filled.contains(cells) & (cKDTree(rim).query(cells)[0] > _INSIDE * self.filled.root_area)
         if not free.any():
             return None
         spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
@@ -210,7 +205,7 @@ class OutlinedShape:
     def _tiny(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> list[ClosedCurve]:
         """Return tiny copies of curves, of which the first is around the others, at a place."""
         center = boundary_of(rim[:1]).center
-        scale = _POINT * self.size / np.ptp(rim[0].points, axis=0).max()
+        scale = _POINT * self.filled.root_area / np.ptp(rim[0].points, axis=0).max()
         return [ClosedCurve(place + (curve.points - center) * scale) for curve in rim]
 
 

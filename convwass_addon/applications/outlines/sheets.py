@@ -44,13 +44,13 @@ class Sheet:
     @classmethod
     def of(cls, boundary: Boundary) -> Sheet:
         """Triangulate the interior of a boundary, which must have an area."""
-        size = np.sqrt(boundary.area)
+        size = boundary.root_area
         return cls.attached(boundary, planar_mesh(boundary, _TRIANGLES * size))
 
     @classmethod
     def attached(cls, boundary: Boundary, mesh: TriangleMesh) -> Sheet:
         """Attach a boundary to triangles that approximately fill it."""
-        fine = boundary.divided(_BOUNDARY * np.sqrt(boundary.area))
+        fine = boundary.divided(_BOUNDARY * boundary.root_area)
         finder = ClosestPointFinder(mesh.corners)
         attached = (AttachedPoints.of(points, mesh, finder) for points in (fine.starts, fine.ends))
         return cls(mesh, fine, *attached)

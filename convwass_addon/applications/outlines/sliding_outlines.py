@@ -142,7 +142,7 @@ def _with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
     if _length(match.first) < _length(match.second):
         return _with_slid_outlines(match.swapped(), control).swapped()
     mesh = _coarse_mesh(match)
-    unit, rim, size = UnitShape.of(mesh), Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
+    unit, rim, size = UnitShape.of(mesh), Rim.of(mesh, match.first), mesh.root_area
     start = filled_outline(mesh, match, control).points
     center = start.mean(axis=0)
     slides = [_Slide.of(rim, match, pair) for pair in match.pairs]

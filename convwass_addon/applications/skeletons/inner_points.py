@@ -95,8 +95,8 @@ class InnerPointFinder:
         mass = np.zeros(surface.shape)
         mass[corners] += shares / surface.weights[corners]
         foot, normal = found.interpolated(body.surface.corners)[0], _normal(body.surface.corners[found.triangles[0]])
-        start = foot - 1e-6 * body.size * normal
-        thickness = min(body.inside.first_hit(start, -normal), body.size)
+        start = foot - 1e-6 * body.surface.diagonal * normal
+        thickness = min(body.inside.first_hit(start, -normal), body.surface.diagonal)
         blur = max(depth * _REACH * 0.5 * thickness / surface.unit_length, _LEAST_BLUR * surface.mean_edge_length)
         wanted = 0.5 * thickness * min(depth, 1.0)
         for _ in range(_ROUNDS):
@@ -112,7 +112,7 @@ class InnerPointFinder:
     def _at(self, point: NDArray[np.float64]) -> _Body:
         """Return the part of the body at a point; among separate parts, another may be nearer than the last one."""
         for known in self._bodies:
-            if known.closest.find(point[None]).distances[0] <= _NEAR * known.body.size:
+            if known.closest.find(point[None]).distances[0] <= _NEAR * known.body.surface.diagonal:
                 return known
         body = skeleton_body(self._mesh, point[None], ("",))
         surface = Surface(body.surface.vertices, body.surface.faces)

@@ -58,18 +58,11 @@ class SkeletonBody:
         Inside tests, on the mesh itself if it encloses a volume.
     made : str
         "as it is", "subdivided", "reduced", or "solid" for the surface of what the mesh encloses.
-    size : float
-        Diagonal of the surface's bounding box.
     """
 
     surface: TriangleMesh
     inside: Inside
     made: str
-
-    @property
-    def size(self) -> float:
-        """Diagonal of the surface's bounding box."""
-        return self.surface.diagonal
 
 
 def skeleton_body(

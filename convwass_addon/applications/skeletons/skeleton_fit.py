@@ -139,7 +139,7 @@ def _with_pins_inside(
     """Check that the pins lie inside, or move them inside and report it."""
     pins = np.flatnonzero(graph.pinned)
     outside = pins[~body.inside.contains(graph.positions[pins])]
-    nearest = body.inside.nearest(graph.positions[outside], _DEPTH * body.size)
+    nearest = body.inside.nearest(graph.positions[outside], _DEPTH * body.surface.diagonal)
     if settings.outside_pins == "refuse" or not nearest.found.all():
         check_inside(graph, outside, nearest.positions)
     if not len(outside):
@@ -156,7 +156,7 @@ def _all_inside(
     """Move joints that ended up outside to the nearest point inside, and report it."""
     free = np.flatnonzero(~graph.pinned)
     outside = free[~body.inside.contains(positions[free])]
-    nearest = body.inside.nearest(positions[outside], _DEPTH * body.size)
+    nearest = body.inside.nearest(positions[outside], _DEPTH * body.surface.diagonal)
     positions[outside] = nearest.positions
     projected = np.zeros(len(positions), bool)
     projected[outside] = nearest.found

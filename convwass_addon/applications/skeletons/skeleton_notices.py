@@ -58,7 +58,7 @@ def _bones_outside(graph: JointGraph, positions: NDArray[np.float64], body: Skel
     tails, heads = positions[graph.edges[:, 0]], positions[graph.edges[:, 1]]
     points = (tails[:, None] + _PLACES[:, None] * (heads - tails)[:, None]).reshape(-1, 3)
     outside = ~body.inside.contains(points)
-    outside[outside] = body.inside.distances(points[outside]) > _VISIBLE * body.size
+    outside[outside] = body.inside.distances(points[outside]) > _VISIBLE * body.surface.diagonal
     return np.flatnonzero(outside.reshape(-1, len(_PLACES)).any(axis=1))
 
 

@@ -120,7 +120,7 @@ def _filled(
     landed = _projected(points, other, known, places, facing)
     figures = np.stack([points.spread, points.entropy, points.confidence], axis=1).astype(np.float64)
     rest = extended(figures[known])
-    miss = landed.distances / np.sqrt(other.area)
+    miss = landed.distances / other.root_area
     rest[:, 2] = np.clip(rest[:, 2] * np.exp(-0.5 * np.square(miss / _FAR)), 0.0, 1.0)
     return _with(points, unknown, landed.triangles, landed.shares, rest)
 

@@ -40,7 +40,7 @@ def settled(
         Stops the work.
     """
     own, other = UnitShape.of(mesh), UnitShape.of(surface)
-    size = np.sqrt(surface.area)
+    size = surface.root_area
     center = surface.vertices[0] - size * other.vertices[0]
     found = Registration(own.mirrored() if is_mirrored else own, other, pairs, (images - center) / size)
     found.advance(SETTLING, control)

@@ -119,7 +119,7 @@ class FlatBake(MorphBake):
     def _sheet_location(self, blend: Blend) -> np.ndarray:
         """Return the position of a frame on a sheet, (3,): columns along the plane's X, rows against its Y."""
         planes = [flat.plane for flat in self._flats]
-        step = SHEET_SPACING * max(shape.size for shape in self._inputs)
+        step = SHEET_SPACING * max(shape.longest_side for shape in self._inputs)
         column, row = blend.place
         middles = np.array([shape.foot for shape in self._inputs])
         x, y = planes[0].axes[:, 0], planes[0].axes[:, 1]

@@ -367,7 +367,7 @@ class MorphBake:
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
         """Return the position of a frame on a sheet, (3,)."""
-        step = SHEET_SPACING * max(shape.size for shape in self._inputs)
+        step = SHEET_SPACING * max(shape.longest_side for shape in self._inputs)
         column, row = blend.place
         feet = np.array([shape.foot for shape in self._inputs])
         return feet[0] - np.asarray(blend.weights) @ feet + step * np.array([column, 0.0, -row])

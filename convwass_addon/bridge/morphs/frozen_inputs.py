@@ -32,7 +32,8 @@ class FrozenInput:
     color: tuple[float, float, float, float]
     mesh: Handle
     """The copy: a mesh, or other data for the frames."""
-    size: float
+    longest_side: float
+    """Longest side of the bounds, in world space."""
     foot: np.ndarray
     """Center of the underside of the bounds, or of a flat shape, world space, (3,)."""
     parts: tuple[Handle, ...] = ()
@@ -79,7 +80,7 @@ def _described(source: ShapeSource, obj: bpy.types.Object, mesh: bpy.types.Mesh)
         name=source.name,
         color=input_color(obj),
         mesh=Handle.of("meshes", mesh),
-        size=float((high - low).max()),
+        longest_side=float((high - low).max()),
         foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
         parts=tuple(Handle.of("objects", part) for part in source.parts),
         values=ObjectValues.of(source.parts[0], mesh.materials),

@@ -88,4 +88,4 @@ def test_three_shapes_coincide():
     moved = [own.mesh for own in motion.moved([1.0 / 3.0] * 3)]
     for one, other in ALL:
         gaps = ClosestPointFinder(moved[other].corners).find(moved[one].vertices).distances
-        assert gaps.max() < 0.02 * np.sqrt(moved[one].area)
+        assert gaps.max() < 0.02 * moved[one].root_area

@@ -45,7 +45,7 @@ def noted(work, reports):
 
 def apart(one, other):
     """Largest distance from the vertices of one mesh to the other, in sizes of it."""
-    return ClosestPointFinder(other.corners).find(one.vertices).distances.max() / np.sqrt(other.area)
+    return ClosestPointFinder(other.corners).find(one.vertices).distances.max() / other.root_area
 
 
 SWUNG, PLACES = shuffled(arm(np.radians(120.0), around=20, along=52)[0])
@@ -150,9 +150,9 @@ def test_the_deformed_shapes_match(swing, own, other):
     quality = map_quality(source, target, there)
     assert quality.confidence > 0.9
     assert quality.torn < 0.01
-    assert there.images.distances.mean() < 0.01 * target.size
+    assert there.images.distances.mean() < 0.01 * target.mesh.root_area
     home = there.images.interpolated(back.points[target.mesh.faces])
-    assert np.quantile(np.linalg.norm(home - source.mesh.vertices, axis=1), 0.95) < 0.1 * source.size
+    assert np.quantile(np.linalg.norm(home - source.mesh.vertices, axis=1), 0.95) < 0.1 * source.mesh.root_area
 
 
 def test_swapped_inputs_give_the_same_shapes(arms, ends, swing):
@@ -198,7 +198,7 @@ def test_odd_meshes_move_too():
     one, other = motion.moved([0.5, 0.5])
     assert np.isfinite(one.vertices).all()
     near = ClosestPointFinder(one.mesh.corners).find(other.vertices).distances
-    assert np.quantile(near, 0.9) < 0.02 * np.sqrt(other.mesh.area)
+    assert np.quantile(near, 0.9) < 0.02 * other.mesh.root_area
 
 
 def test_shapes_that_cannot_be_used_are_named():

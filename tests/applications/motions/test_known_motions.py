@@ -27,7 +27,7 @@ from tests.shapes import ball, joined
 
 def fine(mesh, share=0.028):
     """The same surface, with edges so short that motions do not cut them."""
-    return with_short_edges(mesh, share * np.sqrt(mesh.area), 100_000).mesh
+    return with_short_edges(mesh, share * mesh.root_area, 100_000).mesh
 
 
 def deformed(mesh, points):

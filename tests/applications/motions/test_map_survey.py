@@ -36,7 +36,7 @@ def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow):
     assert found.cost < 1.0
     for laid in found.starts:
         apart = np.linalg.norm(laid.points - turned.mesh.vertices, axis=1)
-        assert turned.mesh.vertex_areas @ (apart < 0.05 * turned.size) > 0.9 * turned.mesh.area
+        assert turned.mesh.vertex_areas @ (apart < 0.05 * turned.mesh.root_area) > 0.9 * turned.mesh.area
 
 
 def test_a_pose_that_a_registration_turns_over_is_avoided(monkeypatch, cow):

@@ -44,7 +44,7 @@ def test_a_shape_turned_to_another_side_turns_as_a_whole():
     assert abs(motion.pairs[0, 1].turn) == pytest.approx(degrees)
     # The turn itself is no detour.
     assert motion.pairs[0, 1].detour < 1.1
-    size = np.sqrt(shape.area)
+    size = shape.root_area
     for share in (0.25, 0.5, 0.75):
         moved = motion.moved((1.0 - share, share))[0].vertices
         ideal = shape.vertices @ about_z(share * degrees).T
@@ -309,7 +309,7 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     assert abs(found.turn) == pytest.approx(180.0)
     assert found.score > 0.9
     turned = carriers[0].mesh.vertices @ about_z(180.0).T
-    off = np.linalg.norm(found.laid.first.points - turned, axis=1) / carriers[0].size
+    off = np.linalg.norm(found.laid.first.points - turned, axis=1) / carriers[0].mesh.root_area
     assert np.median(off) < 0.05
 
 
