@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import reduce
 
 import bpy
@@ -51,6 +51,11 @@ class HiddenObject:
         disabled = self.in_viewports and not other.in_viewports
         return HiddenObject(self.name, self.in_renders and not other.in_renders, left, disabled)
 
+    def also(self, other: HiddenObject) -> HiddenObject:
+        """Return where the object is hidden here or there."""
+        in_renders, in_viewports = self.in_renders or other.in_renders, self.in_viewports or other.in_viewports
+        return HiddenObject(self.name, in_renders, (*self.layers, *other.layers), in_viewports)
+
 
 def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
     """Hide objects in renders and in the view layers of a scene while a morph shows them.
@@ -66,24 +71,19 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
     scene : bpy.types.Scene
         The scene that shows the morph.
     """
-    shown = {obj: _shown(obj) for obj in objects}
-    others = _others(morph)
-    _release({now.name: now for now in shown.values()}, others)
-    claims = _claims(others)
-    _store(morph, [_to_hide(obj, now, claims.get(now.name, ()), scene) for obj, now in shown.items()])
-    for obj in shown:
+    found = _to_hide(morph, objects)
+    layers = {obj: layers_with(obj, [scene]) for obj in found}
+    _store(morph, [_in_layers(own, layers[obj]) for obj, own in found.items()])
+    for obj in found:
         obj.hide_render = True
-        for layer in layers_with(obj, [scene]):
+        for layer in layers[obj]:
             obj.hide_set(True, view_layer=layer)
 
 
 def disable_player(morph: bpy.types.ID, player: bpy.types.Object) -> None:
     """Disable a player in viewports and renders while a morph shows the frames that were made from it."""
-    now, others = _shown(player), _others(morph)
-    _release({now.name: now}, others)
-    needed = [now, *_claims(others).get(now.name, ())]
-    in_renders, in_viewports = any(one.in_renders for one in needed), any(one.in_viewports for one in needed)
-    _store(morph, [*_hidden_by(morph), HiddenObject(now.name, in_renders, (), in_viewports)])
+    own = _to_hide(morph, [player])[player]
+    _store(morph, [*_hidden_by(morph), replace(own, layers=())])
     player.hide_viewport = player.hide_render = True
 
 
@@ -209,14 +209,19 @@ def _lost_in_renders(morph: bpy.types.ID) -> list[bpy.types.Object]:
     return [obj for obj in objects_named(hidden) if obj is not None]
 
 
-def _to_hide(
-    obj: bpy.types.Object, now: HiddenObject, claims: Iterable[HiddenObject], scene: bpy.types.Scene
-) -> HiddenObject:
-    """Return where a morph hides an object that is shown `now`, or hidden by other morphs, but not by the user."""
-    needed = [now, *claims]
-    layers = {names for one in needed for names in one.layers}
-    kept = tuple(names for names in map(_names, layers_with(obj, [scene])) if names in layers)
-    return HiddenObject(now.name, any(one.in_renders for one in needed), kept)
+def _to_hide(morph: bpy.types.ID, objects: Iterable[bpy.types.Object]) -> dict[bpy.types.Object, HiddenObject]:
+    """Return where a morph could hide objects: where they are shown, or hidden by other morphs, but not by the user."""
+    shown = {obj: _shown(obj) for obj in objects}
+    others = _others(morph)
+    _release({now.name: now for now in shown.values()}, others)
+    claims = _claims(others)
+    return {obj: reduce(HiddenObject.also, claims.get(now.name, ()), now) for obj, now in shown.items()}
+
+
+def _in_layers(own: HiddenObject, layers: Iterable[bpy.types.ViewLayer]) -> HiddenObject:
+    """Return where an object is hidden in renders and in some view layers, but not disabled in viewports."""
+    kept = tuple(names for names in map(_names, layers) if names in own.layers)
+    return replace(own, layers=kept, in_viewports=False)
 
 
 def _claims(morphs: Iterable[bpy.types.ID]) -> Mapping[ObjectName, list[HiddenObject]]:
