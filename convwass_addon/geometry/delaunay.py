@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..progress import UNINTERRUPTED, Control
 from .distinct import sorted_distinct
 from .edges import edge_use
+from .face_neighbors import FaceNeighbors
 
 # Edges are flipped until no weight, half the sum of two cotangents, is below minus this.
 _NOTICEABLE = 1e-6
@@ -62,8 +63,8 @@ def closed_surface(faces: NDArray[np.int64], lengths: NDArray[np.float64]) -> Cl
     use, tails = edge_use(faces), faces.ravel()
     if use.count.max() > 2:
         return None
-    pairs, border = use.start[use.count == 2], use.side[use.start[use.count == 1]]
-    first, second = use.side[pairs], use.side[pairs + 1]
+    border = use.side[use.start[use.count == 1]]
+    first, second = FaceNeighbors.of(use).sides
     alike = tails[first] == tails[second]
     if len(border) or alike.any():
         return _double(faces, lengths, first, second, alike, border)

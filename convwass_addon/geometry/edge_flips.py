@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .edges import edge_use, faces_touching, pair_numbers
+from .face_neighbors import FaceNeighbors
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .triangle_angles import smallest_angle_cosines
@@ -71,10 +72,9 @@ class _Flips:
     ) -> _Flips:
         """Choose valid flips, at most one per triangle: the best. All triangles around narrow ones must be given."""
         use = edge_use(faces)
-        start = use.start[use.count == 2]
-        sides = np.stack([use.side[start], use.side[start + 1]])
-        one, other = sides // 3
-        worth = (np.maximum(cosines[one], cosines[other]) > _NARROW) & (use.forward[start] != use.forward[start + 1])
+        neighbors = FaceNeighbors.of(use)
+        sides, (one, other) = neighbors.sides, neighbors.faces
+        worth = (np.maximum(cosines[one], cosines[other]) > _NARROW) & neighbors.agree
         sides, (one, other) = sides[:, worth], (one[worth], other[worth])
         # The edge runs from a to b in the first triangle; c and d are the opposite corners.
         flat = faces.ravel()

@@ -14,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 
 from .distinct import sorted_distinct
 from .edges import edge_use
+from .face_neighbors import FaceNeighbors
 from .mesh import TriangleMesh
 
 # Rings of triangles around a part in which holes of the part are looked for.
@@ -104,11 +105,10 @@ class FaceGraph:
         rows = np.repeat(np.arange(count), 3)
         around = csr_array((np.ones(3 * count, np.int8), (mesh.faces.ravel(), rows)), shape=(len(mesh.vertices), count))
         use = edge_use(mesh.faces)
-        shared = use.start[use.count == 2]
-        one, other = use.face[shared], use.face[shared + 1]
+        one, other = FaceNeighbors.of(use).faces
         ends = np.concatenate([one, other]), np.concatenate([other, one])
         across = csr_array((np.ones(len(ends[0]), np.int8), ends), shape=(count, count))
-        return cls(mesh, around, across, len(shared) == len(use.start))
+        return cls(mesh, around, across, len(one) == len(use.start))
 
     def touching(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the triangles at some vertices, ascending."""

@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .components import component_labels
 from .edges import EdgeUse, edge_use
 from .equal_shares import at_equal_shares
+from .face_neighbors import FaceNeighbors
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .solid_angles import winding_numbers
@@ -51,13 +50,13 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
         The same vertices and triangles, some of them flipped; `mesh` itself if none are.
     """
     use = edge_use(mesh.faces) if use is None else use
-    neighbors, pieces = _Neighbors.of(use), _pieces(use, len(mesh.faces))
+    neighbors, pieces = FaceNeighbors.of(use), _pieces(use, len(mesh.faces))
     is_open = np.isin(pieces, pieces[use.face[use.start[use.count == 1]]])
     if is_open.any():
         # Closed components have no seams, even if others touch them.
         places = place_labels(mesh.vertices)[mesh.faces[is_open]]
-        seams = _Neighbors.of(edge_use(places)).unless_same(places).among(is_open)
-        neighbors, pieces = neighbors.and_across(seams), seams.joined(pieces)
+        seams = FaceNeighbors.of(edge_use(places)).unless_same(places).among(is_open)
+        neighbors, pieces = neighbors.and_across(seams), _joined(pieces, seams)
     turn, repaired = _disagreeing_faces(neighbors, pieces)
     outward = _with_turned(mesh, turn)
     volumes = np.bincount(pieces, weights=outward.face_volumes)
@@ -79,45 +78,19 @@ def _with_turned(mesh: TriangleMesh, turn: NDArray[np.bool_]) -> TriangleMesh:
     return TriangleMesh(mesh.vertices, faces)
 
 
-@dataclass(frozen=True)
-class _Neighbors:
-    """Triangles on both sides of edges that have two, (e,) each, and whether their orientations agree."""
-
-    one: NDArray[np.int64]
-    other: NDArray[np.int64]
-    agree: NDArray[np.bool_]
-
-    @classmethod
-    def of(cls, use: EdgeUse) -> _Neighbors:
-        paired = use.start[use.count == 2]
-        return cls(use.face[paired], use.face[paired + 1], use.forward[paired] != use.forward[paired + 1])
-
-    def among(self, chosen: NDArray[np.bool_]) -> _Neighbors:
-        """Return these neighbors, of the chosen ones of all triangles, (m,), as neighbors of all of them."""
-        rows = np.flatnonzero(chosen)
-        return _Neighbors(rows[self.one], rows[self.other], self.agree)
-
-    def unless_same(self, triangles: NDArray[np.int64]) -> _Neighbors:
-        """Return the neighbors that are not the same one of some triangles, (m, 3), twice."""
-        corners = np.sort(triangles, axis=1)
-        differ = (corners[self.one] != corners[self.other]).any(axis=1)
-        return _Neighbors(self.one[differ], self.other[differ], self.agree[differ])
-
-    def and_across(self, seams: _Neighbors) -> _Neighbors:
-        """Return these and others; edges may be repeated."""
-        return _Neighbors(np.r_[self.one, seams.one], np.r_[self.other, seams.other], np.r_[self.agree, seams.agree])
-
-    def joined(self, pieces: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return labels of triangles by piece, (m,), with pieces joined that are neighbors."""
-        return component_labels(pieces[self.one], pieces[self.other], int(pieces.max()) + 1)[pieces]
-
-
 def _pieces(use: EdgeUse, count: int) -> NDArray[np.int64]:
     """Return labels of triangles by piece, (count,). Solids that touch in a vertex are different pieces."""
     return component_labels(use.face[np.repeat(use.start, use.count)], use.face, count)
 
 
-def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _joined(pieces: NDArray[np.int64], seams: FaceNeighbors) -> NDArray[np.int64]:
+    """Return labels of triangles by piece, (m,), with pieces joined that meet in seams."""
+    return component_labels(*pieces[seams.faces], int(pieces.max()) + 1)[pieces]
+
+
+def _disagreeing_faces(
+    neighbors: FaceNeighbors, pieces: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Find faces to flip for consistency, and the components that need it.
 
     A graph has two nodes per face, "kept" and "flipped", and joins states that are consistent across an edge. If its
@@ -125,7 +98,7 @@ def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tupl
     component is one-sided (a Möbius strip) and is left as it is.
     """
     face_count, piece_count = len(pieces), int(pieces.max()) + 1
-    one, other, agree = neighbors.one, neighbors.other, neighbors.agree
+    (one, other), agree = neighbors.faces, neighbors.agree
     repaired = np.zeros(piece_count, bool)
     repaired[pieces[one[~agree]]] = True
     if not repaired.any():
@@ -142,7 +115,7 @@ def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tupl
 
 
 def _turned_in(
-    mesh: TriangleMesh, repaired: NDArray[np.bool_], pieces: NDArray[np.int64], neighbors: _Neighbors
+    mesh: TriangleMesh, repaired: NDArray[np.bool_], pieces: NDArray[np.int64], neighbors: FaceNeighbors
 ) -> NDArray[np.bool_]:
     """Return which of the triangles of repaired components face inward, (m,).
 
@@ -156,11 +129,10 @@ def _turned_in(
         Triangles of components whose triangles did not agree before.
     pieces : (m,) int64
         Component of every triangle.
-    neighbors : _Neighbors
+    neighbors : FaceNeighbors
         Those of the mesh before the repair.
     """
-    agree = neighbors.agree
-    patches = component_labels(neighbors.one[agree], neighbors.other[agree], len(pieces))
+    patches = neighbors.agreeing().labels(len(pieces))
     large = np.flatnonzero(repaired & _is_large(mesh, patches, pieces))
     inward = np.zeros(len(pieces), bool)
     if not len(large):

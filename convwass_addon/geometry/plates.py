@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .components import component_labels
 from .edges import edge_use
+from .face_neighbors import FaceNeighbors
 from .label_sums import label_sums
 from .mesh import TriangleMesh
 from .normals import unit_vectors
@@ -143,21 +143,15 @@ class _Patches:
     def of(cls, mesh: TriangleMesh) -> _Patches:
         places = place_labels(mesh.vertices)
         corners = places[mesh.faces]
-        proper = np.flatnonzero((corners != np.roll(corners, 1, axis=1)).all(axis=1))
+        proper = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         faces = corners[proper]
         use = edge_use(faces)
-        paired = use.start[use.count == 2]
-        agreeing = paired[use.forward[paired] != use.forward[paired + 1]]
-        one, other = use.face[agreeing], use.face[agreeing + 1]
         # Triangles that lie on each other, facing opposite ways, are no sheet.
-        corners = np.sort(faces, axis=1)
-        apart = (corners[one] != corners[other]).any(axis=1)
-        agreeing, one, other = agreeing[apart], one[apart], other[apart]
+        neighbors = FaceNeighbors.of(use).agreeing().unless_same(faces)
         is_rim, is_open = (np.zeros(mesh.faces.shape, bool) for _ in range(2))
-        is_rim[proper] = ~_marked(use.side[np.concatenate([agreeing, agreeing + 1])], len(proper))
-        is_open[proper] = _marked(use.side[use.start[use.count == 1]], len(proper))
-        labels = component_labels(proper[one], proper[other], len(mesh.faces))
-        return cls(places, labels, is_open, is_rim)
+        is_rim[proper] = ~_marked(neighbors.sides, len(faces))
+        is_open[proper] = _marked(use.side[use.start[use.count == 1]], len(faces))
+        return cls(places, neighbors.among(proper).labels(len(mesh.faces)), is_open, is_rim)
 
     def rims(self, rows: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the sides of some triangles at the borders of their patches: indices of `rows`, and corners."""

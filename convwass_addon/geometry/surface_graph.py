@@ -10,6 +10,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from .edges import EdgeUse, edge_ends, edge_lengths, edge_use, mesh_edges, proper_faces
+from .face_neighbors import FaceNeighbors
 from .mesh import TriangleMesh
 
 # Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
@@ -72,8 +73,7 @@ def _lines_across(
     points: NDArray[np.float64], faces: NDArray[np.int64], use: EdgeUse
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the ends of lines across edges, (k, 2), the smaller index first, and their lengths, (k,)."""
-    inner = use.start[use.count == 2]
-    first, second = faces[use.face[inner]], faces[use.face[inner + 1]]
+    first, second = faces[FaceNeighbors.of(use).faces]
     shared = (first[:, :, None] == second[:, None]).any(axis=2)
     other = (second[:, :, None] == first[:, None]).any(axis=2)
     proper = (shared.sum(axis=1) == 2) & (other.sum(axis=1) == 2)
