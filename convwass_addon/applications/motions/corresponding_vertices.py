@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from ...geometry.label_groups import label_groups
 from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.rotations import nearest_rotation
+from ...geometry.touching_components import touching_components
 from ...geometry.welding import place_labels
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -27,7 +29,7 @@ from .pair_merits import MappedPair
 from .pair_registration import LaidPair
 
 # Least share of triangles that meshes with the same polygons have in common: Blender divides a quad along another
-# diagonal if the first one would fold it.
+# diagonal if the first one would fold it. Of components that touch, too, at least this share touches in every pose.
 _COMMON = 0.7
 # Components with equal numbers of vertices and triangles, such as boxes, may have been joined in any order. Their order
 # counts if other pairs would move the surface by at most this much less in the mean square, in areas of the shape: two
@@ -45,8 +47,9 @@ def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
     """Return whether two shapes are versions of one mesh, so that vertices with the same number correspond.
 
     They have the same polygons, facing the same way. If they consist of several components of the same kind, those with
-    the same numbers are near each other, apart from a turn of the whole shape. That turn can be seen: a cable that was
-    drawn from the other end does not turn around.
+    the same numbers are near each other, apart from a turn of the whole shape, or touch the same other ones, as the
+    limbs and clothes of a character do in every pose. That turn can be seen: a cable that was drawn from the other end
+    does not turn around.
     """
     if len(first.vertices) != len(second.vertices) or len(first.faces) != len(second.faces):
         return False
@@ -54,8 +57,14 @@ def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
         return False
     if not np.array_equal(first.faces, second.faces) and _common_triangles(first, second) < _COMMON:
         return False
+    # Whoever asks about the shapes in the other order gets the same answer.
+    return all(_components_correspond(*way) for way in ((first, second), (second, first)))
+
+
+def _components_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
+    """Return whether components with the same numbers correspond, and a turn to the second shape can be seen."""
     components = _Components.of(first, second)
-    if components.excess_movement > _ARBITRARY:
+    if components.excess_movement > _ARBITRARY and not components.touch_the_same((first, second)):
         return False
     is_seen = np.trace(components.turn) >= _SMALL_TURN
     return bool(is_seen or not all(_looks_alike(mesh, components.turn) for mesh in (first, second)))
@@ -109,6 +118,8 @@ class _Components:
 
     Attributes
     ----------
+    labels : (n,) int64
+        The component of every vertex; -1 where no triangle uses it.
     centers : (2, c, 3) float64
         By shape, relative to its center and in its sizes.
     areas : (c,) float64
@@ -119,6 +130,7 @@ class _Components:
         The rotation that is nearest to that of most components about their own centers.
     """
 
+    labels: NDArray[np.int64]
     centers: NDArray[np.float64]
     areas: NDArray[np.float64]
     kinds: NDArray[np.int64]
@@ -138,23 +150,52 @@ class _Components:
         centers = np.stack([label_sums(own, each, count) for each in points]) / sizes[:, None]
         here, there = (each - center[own] for each, center in zip(points, centers, strict=True))
         turn = nearest_rotation((first.vertex_areas[used, None] * there).T @ here)
-        return cls(centers, 0.5 * (areas[0] + areas[1]), kinds, turn)
+        return cls(labels, centers, 0.5 * (areas[0] + areas[1]), kinds, turn)
+
+    @cached_property
+    def partners(self) -> NDArray[np.int64]:
+        """For each, the one of its kind whose place it would take if all moved as little as possible, (c,).
+
+        Relative to the centers of the shapes, and after the first one is turned.
+        """
+        partners, (here, there) = np.arange(len(self.kinds)), self._turned_centers
+        for own in label_groups(self.kinds, int(self.kinds.max()) + 1):
+            partners[own] = own[_partners_of_kind(here[own], there[own], self.areas[own])]
+        return partners
 
     @property
     def excess_movement(self) -> float:
-        """How much farther they move than if those of the same kind were paired best, in the mean square.
+        """How much farther they move than to their partners, in the mean square, in areas of the shapes."""
+        here, there = self._turned_centers
+        swapped = 0.5 * (self.areas + self.areas[self.partners])
+        return float(
+            self.areas @ np.square(here - there).sum(axis=1)
+            - swapped @ np.square(here - there[self.partners]).sum(axis=1)
+        )
 
-        In areas of the shapes, relative to their centers, and after the first one is turned.
-        """
-        groups = label_groups(self.kinds, int(self.kinds.max()) + 1)
-        here, there = self.centers[0] @ self.turn.T, self.centers[1]
-        return sum(_excess_of_kind(here[own], there[own], self.areas[own]) for own in groups if len(own) > 1)
+    def touch_the_same(self, shapes: tuple[TriangleMesh, TriangleMesh]) -> bool:
+        """Return whether those that touch on one shape touch on the other, and more so than their partners would."""
+        here, there = (touching_components(shape, self.labels) for shape in shapes)
+        kept, swapped = (_common_pairs(own, there) for own in (here, np.sort(self.partners[here], axis=1)))
+        return kept >= _COMMON * min(len(here), len(there)) and kept > swapped
+
+    @property
+    def _turned_centers(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The centers on both shapes, (c, 3) each, after the first one is turned."""
+        return self.centers[0] @ self.turn.T, self.centers[1]
 
 
-def _excess_of_kind(here: NDArray[np.float64], there: NDArray[np.float64], areas: NDArray[np.float64]) -> float:
-    """Return how much farther components of one kind move, (k, 3) centers, than if they were paired best."""
-    moved = areas @ np.square(here - there).sum(axis=1)
+def _common_pairs(here: NDArray[np.int64], there: NDArray[np.int64]) -> int:
+    """Return how many of some pairs of numbers, (k, 2), are among others, (l, 2)."""
+    shifted = int(max(here.max(initial=0), there.max(initial=0))) + 1, 1
+    return int(np.isin(here @ shifted, there @ shifted).sum())
+
+
+def _partners_of_kind(
+    here: NDArray[np.float64], there: NDArray[np.float64], areas: NDArray[np.float64]
+) -> NDArray[np.intp]:
+    """Return for components of one kind, (k, 3) centers, which of them they would be paired with, (k,)."""
     if len(here) > _MOST_PAIRED:
-        return float(moved - areas @ np.square(cKDTree(there).query(here)[0]))
-    apart = cdist(here, there, "sqeuclidean") * areas[:, None]
-    return float(moved - apart[linear_sum_assignment(apart)].sum())
+        return cKDTree(there).query(here)[1]
+    # A large one and a small one that change places count alike, whichever shape comes first.
+    return linear_sum_assignment(cdist(here, there, "sqeuclidean") * (areas[:, None] + areas))[1]

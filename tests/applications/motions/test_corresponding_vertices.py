@@ -132,6 +132,40 @@ def test_thin_legs_keep_their_order(order):
     assert not vertices_correspond(table(range(4)), table(order))
 
 
+def hand(degrees, order=range(12)):
+    """A palm and four fingers of three equal boxes, bent at every joint; the boxes are joined in some order."""
+    bones = []
+    for side in (-0.9, -0.3, 0.3, 0.9):
+        joint, turn = np.array([0.0, side, 1.0]), Rotation.identity()
+        for _ in range(3):
+            turn = turn * Rotation.from_euler("y", degrees, degrees=True)
+            bone = box((0.4, 0.4, 0.9), (0.0, 0.0, 0.35))
+            bones.append(TriangleMesh(turn.apply(bone.vertices) + joint, bone.faces))
+            joint = joint + turn.apply([0.0, 0.0, 0.7])
+    return joined(box((0.6, 2.4, 2.0)), *(bones[bone] for bone in order))
+
+
+def test_parts_of_limbs_that_come_near_each_other_keep_their_order():
+    """A fingertip of a fist is near where the middle of another finger was."""
+    straight, bent_ = hand(0.0), hand(60.0)
+    mixed = np.random.default_rng(0).permutation(12)
+    for one, other in ((straight, bent_), (bent_, straight)):
+        assert vertices_correspond(one, other)
+    assert not vertices_correspond(straight, hand(60.0, mixed))
+    assert not vertices_correspond(hand(60.0, mixed), straight)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_either_order_of_the_shapes_gives_the_same_answer(seed):
+    """Boxes of different sizes have as many triangles."""
+    places = np.random.default_rng(seed).normal(size=(2, 3, 3))
+    one, other = (
+        joined(*(box((size,) * 3, tuple(place)) for size, place in zip((1.0, 0.6, 0.3), own, strict=True)))
+        for own in places
+    )
+    assert vertices_correspond(one, other) is vertices_correspond(other, one)
+
+
 def test_a_cable_from_the_other_end_does_not_turn():
     """Both ends look the same, so that nobody would see a turn but on the way."""
     cable = bent_tube(1.0, radius=0.1)
