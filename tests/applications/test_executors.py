@@ -11,6 +11,7 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -138,12 +139,8 @@ def blas_threads_of_a_run():
     def count(*_):
         return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
 
-    real, runs.solve_blends = runs.solve_blends, count
-    try:
-        with threadpool_limits(2, user_api="blas"):
-            return runs.solve_apart(None, ()), count()
-    finally:
-        runs.solve_blends = real
+    with threadpool_limits(2, user_api="blas"):
+        return runs.solve_apart(SimpleNamespace(frames=count), ()), count()
 
 
 def test_one_thread_of_blas_lasts_until_the_last_has_left():

@@ -17,8 +17,9 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.morphs.resting_problem import RestingProblem
 from convwass_addon.applications.morphs.runs import as_solved
-from convwass_addon.applications.morphs.solving_again import again_in_threads, solve_again
+from convwass_addon.applications.morphs.solving_again import again_in_threads
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball, box
@@ -55,9 +56,9 @@ def solves(monkeypatch):
 
 
 def test_kept_blends_give_the_same_frames_without_a_solve(problem, kept, solves):
-    (solved,) = solve_again(problem, RUN, ASKED)
+    (solved,) = RestingProblem(problem).frames_again(RUN, ASKED)
     assert solves == list(RUN)
-    (found,) = solve_again(problem, RUN, ASKED, kept=kept)
+    (found,) = RestingProblem(problem, kept).frames_again(RUN, ASKED)
     assert solves == list(RUN)
     assert found.record == solved.record
     np.testing.assert_array_equal(found.mesh.vertices, solved.mesh.vertices)
@@ -80,7 +81,7 @@ def test_all_are_solved_again_if_one_is_missing_and_kept_then(problem, solves):
     assert RUN[2] not in first
     solves.clear()
     for _ in range(2):
-        solve_again(problem, RUN, ASKED, kept=first)
+        RestingProblem(problem, first).frames_again(RUN, ASKED)
         assert solves == list(RUN)
 
 
@@ -88,7 +89,7 @@ def test_kept_blends_are_computed_again_side_by_side(problem, kept):
     """Those that are not kept are solved from each other."""
     asked = {blend: Demand(Connectivity(1, 0, 0)) for blend in RUN[1:]}
     for known, count in ((kept, 2), (None, 1)):
-        with again_in_threads(problem, {0: RUN}, asked, Control(), 2, known) as pending:
+        with again_in_threads(RestingProblem(problem, known), {0: RUN}, asked, Control(), 2) as pending:
             assert len(pending) == count
             found = [frame.blend for solved in as_solved(pending, Control()) for frame in solved.frames]
         assert sorted(found, key=RUN.index) == list(RUN[1:])

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.applications.morphs import runs
+from convwass_addon.applications.morphs import resting_problem
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
@@ -25,11 +25,11 @@ def begun(monkeypatch, shapes):
     """The first frame of every run, in the order in which they begin."""
     seen = []
 
-    def solve(problem, run, *arguments, real=runs.solve_blends):
+    def solve(problem, run, *arguments, real=resting_problem.solve_blends):
         seen.append(run[0].frame)
         return real(problem, run, *arguments)
 
-    monkeypatch.setattr(runs, "solve_blends", solve)
+    monkeypatch.setattr(resting_problem, "solve_blends", solve)
     frames = frames_of(shapes, workers=1)
     assert [frame.blend.frame for frame in frames] == list(range(11))
     return seen

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control
 from ..morphs.appearance import carried
-from ..morphs.blending import solve_blends
+from ..morphs.blend_problem import BlendProblem
 from ..morphs.layouts import Blend
-from ..morphs.morph_problem import MorphFrame, MorphProblem
-from ..morphs.moving_problem import MovingProblem
+from ..morphs.morph_problem import MorphProblem
 from ..morphs.preparing import with_connectivity
+from ..morphs.resting_problem import RestingProblem
 from .live_shapes import LiveShape, LiveShapes
 
 
@@ -50,24 +50,23 @@ class FullSolver:
     ----------
     shapes : LiveShapes
         The shapes.
-    problem : MorphProblem or MovingProblem
-        The voxelized shapes; at rest without their connectivity and detail, which are added here.
+    problem : BlendProblem
+        The voxelized shapes.
     """
 
-    def __init__(self, shapes: LiveShapes, problem: MorphProblem | MovingProblem) -> None:
+    def __init__(self, shapes: LiveShapes, problem: BlendProblem) -> None:
         self._shapes, self._problem = shapes, problem
-        if not isinstance(problem, MovingProblem):
-            whole = with_connectivity(replace(problem, meshes=shapes.meshes), 1)
-            self._problem = whole.with_detail_of(shapes.meshes)
+
+    @classmethod
+    def at_rest(cls, shapes: LiveShapes, problem: MorphProblem) -> FullSolver:
+        """Add what finished blends of shapes that do not move need: their connectivity and detail."""
+        whole = with_connectivity(replace(problem, meshes=shapes.meshes), 1)
+        return cls(shapes, RestingProblem(whole.with_detail_of(shapes.meshes)))
 
     def solve(self, blend: Blend, control: Control) -> FullBlend:
         """Solve a blend; errors as for a bake."""
-        if isinstance(self._problem, MovingProblem):
-            return self._with_colors(self._problem.frame(blend, control))
-        return self._with_colors(solve_blends(self._problem, [blend], control)[0])
-
-    def _with_colors(self, frame: MorphFrame) -> FullBlend:
-        blend, appearances = frame.blend, self._shapes.appearances
+        (frame,) = self._problem.frames([blend], control)
+        appearances = self._shapes.appearances
         mesh = self._shapes.meshes[blend.source] if frame.mesh is None else frame.mesh
         if not appearances:
             return FullBlend(blend.weights, mesh, None)

@@ -314,7 +314,7 @@ class LiveBlends:
             if blend.weights != self._hand:
                 return
             if self._full is None:
-                self._full = FullSolver(self._shapes, self._moving or self._problem)
+                self._full = FullSolver.at_rest(self._shapes, self._problem)
             solved = self._full.solve(blend, self._rest_control)
         except Cancelled:
             control.check()
@@ -352,7 +352,7 @@ class LiveBlends:
         """Lay a lattice of moved shapes over the one of plain transport."""
         source = MovingSource(moving, self._colors)
         self._fields.cover(self._empty_lattice(self._fitting()))
-        self._nodes, self._moving, self._full = source, moving, None
+        self._nodes, self._moving, self._full = source, moving, FullSolver(self._shapes, moving)
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:
         """Do some work, and between two of its reports one thing that the user is waiting for."""

@@ -23,6 +23,7 @@ from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from ..workers import thread_count
 from .animation import Animation
+from .blend_problem import BlendProblem
 from .blend_store import BlendStore
 from .computation import Computation
 from .first_preview import first_preview
@@ -34,6 +35,7 @@ from .morph_settings import MorphSettings
 from .moving_problem import MovingProblem
 from .part_labels import Matching
 from .preparing import VOXEL_SHARE, sketchable_problem, with_connectivity
+from .resting_problem import RestingProblem
 from .runs import (
     RUN_LENGTH,
     Pending,
@@ -43,10 +45,9 @@ from .runs import (
     runs_elsewhere,
     runs_in_threads,
     sketched_runs_in_threads,
-    solved_in_threads,
 )
 from .solving_again import Asked, again_elsewhere, again_in_threads
-from .volumes import fitting_workers
+from .volumes import Lattice, fitting_workers
 
 # Fractions of the progress bar for previews, if there are any, and for the motion.
 _PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
@@ -81,16 +82,13 @@ class BegunRuns:
         The index of the run for each future.
     fraction : float
         Fraction of the work that is done when they have been started.
-    problem : MorphProblem or MovingProblem
+    problem : BlendProblem
         The problem that the runs solve, possibly without the connectivity of the shapes.
-    kept : KeptBlends or None
-        Gets the solved blends of inputs at rest.
     """
 
     pending: Pending
     fraction: float
-    problem: MorphProblem | MovingProblem
-    kept: KeptBlends | None = None
+    problem: BlendProblem
 
 
 @dataclass(frozen=True)
@@ -123,21 +121,23 @@ class BakePlan:
         """Start all runs; closing the stack stops what computes them."""
         if self._shows and self.animation is None:
             yield from self._first_preview(control)
-        problem = yield from self.prepared(control)
-        if isinstance(problem, MovingProblem):
-            return (yield from self._moving(problem, stack, control))
-        if self._shows and problem.transport.sketch_depth:
-            return (yield from self._sketched(problem, stack, control))
-        most = self._fitting(problem)
-        problem = with_connectivity(problem, min(most, len(self.shapes)), control)
-        if self.computation.executor is not None:
-            pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.computation.executor))
-            return BegunRuns(pending, self._chosen_at, problem)
-        kept = self.keeping(problem)
-        pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most, kept))
-        return BegunRuns(pending, self._chosen_at, problem, kept)
+        problem, fraction = (yield from self.prepared(control)), self._chosen_at
+        # The runs of inputs at rest go on from their sketches, but previews of moving inputs are of no use to runs.
+        if isinstance(problem, RestingProblem):
+            if self._shows and problem.still.transport.sketch_depth:
+                return (yield from self._sketched(problem, stack, control))
+            threads = min(self._fitting(problem.lattice), len(self.shapes))
+            problem = replace(problem, still=with_connectivity(problem.still, threads, control))
+        elif self._shows:
+            yield from self._moved_previews(problem, control)
+            fraction += _PREVIEW_SHARE
+        if self.computation.executor is None:
+            runs = runs_in_threads(problem, self.runs, control, self._fitting(problem.lattice))
+        else:
+            runs = runs_elsewhere(problem, self.runs, self.computation.executor)
+        return BegunRuns(stack.enter_context(runs), fraction, problem)
 
-    def prepared(self, control: Control) -> Work[MorphProblem | MovingProblem]:
+    def prepared(self, control: Control) -> Work[RestingProblem | MovingProblem]:
         """Return the problem shared by all blends; without the connectivity of the shapes if they do not move."""
         side_by_side = min(self.computation.workers or 1, len(self.runs))
         problem = yield from sketchable_problem(
@@ -150,8 +150,8 @@ class BakePlan:
             return self._following(problem, choice, control)
         problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
         if choice.motion is None:
-            return problem.with_detail_of(self.shapes)
-        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)), control)
+            return self._resting(problem.with_detail_of(self.shapes))
+        still = with_connectivity(problem, min(self._fitting(problem.lattice), len(self.shapes)), control)
         blends, names, matching = self.blends, self.names, self.matching
         return self._fitted(MovingProblem.of(still, choice.motion, blends, names, matching, control, self.pairs))
 
@@ -169,16 +169,11 @@ class BakePlan:
         return self._fitted(FollowingProblem.around(still, motion, animation, outward, self.names, self.matching))
 
     def again(
-        self,
-        problem: MorphProblem | MovingProblem,
-        runs: dict[int, Run],
-        asked: Asked,
-        control: Control,
-        kept: KeptBlends | None = None,
+        self, problem: BlendProblem, runs: dict[int, Run], asked: Asked, control: Control
     ) -> AbstractContextManager[Pending]:
-        """Compute blends of some runs again; see :func:`.solving_again.solve_again`."""
+        """Compute blends of some runs again; see :mod:`.solving_again`."""
         if self.computation.executor is None:
-            return again_in_threads(problem, runs, asked, control, self._fitting(problem), kept)
+            return again_in_threads(problem, runs, asked, control, self._fitting(problem.lattice))
         return again_elsewhere(problem, runs, asked, self.computation.executor)
 
     @property
@@ -195,23 +190,27 @@ class BakePlan:
         """Fraction of the work that is done when the motion has been chosen."""
         return VOXEL_SHARE + (0.0 if self.settings.motion == "transport" else _MOTION_SHARE)
 
-    def _fitting(self, problem: MorphProblem | MovingProblem) -> int:
+    def _fitting(self, lattice: Lattice) -> int:
         """Return how many threads can solve at the same time."""
         workers = self.computation.workers
-        return workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
+        return workers or fitting_workers(lattice, self.shapes, self.matching.count, self._threads)
 
-    def keeping(self, problem: MorphProblem) -> KeptBlends:
-        """Return what keeps solved blends of inputs at rest, within half of the memory that the bake leaves free."""
-        return KeptBlends(self._room(problem, 2, _MOST_KEPT), finest=self.keeps_potentials)
+    def _resting(self, problem: MorphProblem) -> RestingProblem:
+        """Let inputs at rest keep blends that are solved here, in half of the memory that the bake leaves free."""
+        if self.computation.executor is not None:
+            return RestingProblem(problem)
+        return RestingProblem(
+            problem, KeptBlends(self._room(problem.lattice, 2, _MOST_KEPT), finest=self.keeps_potentials)
+        )
 
     def _fitted(self, moving: MovingProblem) -> MovingProblem:
         """Check the memory that moving inputs need, and let them keep blends in a quarter of what is left."""
         check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
-        return replace(moving, kept=BlendStore(self._room(moving, 4, _MOST_KEPT_MOVED)))
+        return replace(moving, kept=BlendStore(self._room(moving.lattice, 4, _MOST_KEPT_MOVED)))
 
-    def _room(self, problem: MorphProblem | MovingProblem, parts: int, most: int) -> int:
+    def _room(self, lattice: Lattice, parts: int, most: int) -> int:
         """Return one of so many parts of the memory that the bake leaves free, in bytes; at most `most`."""
-        needed = problem.lattice.memory(self.shapes, self._fitting(problem), self.matching.count)
+        needed = lattice.memory(self.shapes, self._fitting(lattice), self.matching.count)
         return fitting_beside(needed, parts, most)
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
@@ -228,27 +227,14 @@ class BakePlan:
         memory = self.computation.motions or MotionMemory()
         return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
-    def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
-        """Start runs of moving inputs."""
-        fraction = self._chosen_at
-        if self._shows:
-            yield from self._moved_previews(moving, control)
-            fraction += _PREVIEW_SHARE
-        if self.computation.executor is None:
-            runs = solved_in_threads(moving.frames, moving.effort, self.runs, control, self._fitting(moving))
-        else:
-            runs = runs_elsewhere(moving, self.runs, self.computation.executor)
-        return BegunRuns(stack.enter_context(runs), fraction, moving)
-
-    def _sketched(self, problem: MorphProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
+    def _sketched(self, problem: RestingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Start runs with their coarse levels, and show these."""
-        most = self._fitting(problem)
+        most = self._fitting(problem.lattice)
         needed = problem.lattice.memory(self.shapes, most, self.matching.count)
-        chosen = self._previewed(problem.transport.sketch_bytes, needed)
-        kept = self.keeping(problem)
-        sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most, kept))
+        chosen = self._previewed(problem.still.transport.sketch_bytes, needed)
+        sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most))
         yield from self._previews(sketched, control)
-        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem, kept)
+        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem)
 
     def _first_preview(self, control: Control) -> Work[None]:
         """Show one blend first, more coarsely than the other previews."""

@@ -34,6 +34,7 @@ from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matching_of
 from .plated_shapes import PlatedShapes
 from .preparing import VOXEL_SHARE, prepared_problem
+from .resting_problem import RestingProblem
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .transport_problem import MorphPart
 from .volumes import fitting_workers
@@ -183,7 +184,7 @@ def _complete(
     """Compute the runs that are not in the cache."""
     if not missing:
         return
-    keeping = replace(problem, keeps_potentials=True)
+    keeping = RestingProblem(replace(problem, keeps_potentials=True))
     with ExitStack() as stack:
         if executor is None:
             pending = stack.enter_context(runs_in_threads(keeping, missing, control, workers))

@@ -93,9 +93,8 @@ class FollowingProblem(MovingProblem):
         searched = tuple(FacingShape(rest).ready() for rest in rests)
         return cls(still, motion, lattice, tuple(names), matching, animation, searched)
 
-    @property
-    def solves_singly(self) -> bool:
-        """Whether every blend is solved by itself; by transport, each starts from the preceding one."""
+    def solves_singly(self, _blends: Sequence[Blend]) -> bool:
+        """Whether blends are solved by themselves; by transport, each starts from the preceding one."""
         return self.motion is not None
 
     def preview(self, blend: Blend) -> MorphFrame:

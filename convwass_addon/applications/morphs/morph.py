@@ -111,11 +111,10 @@ def morph(
     review = BakeReview(reviewed, _unblended(reviewed, plated.shapes, plated.animation))
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
-        fraction, problem, kept = 0.0, None, None
+        fraction, problem = 0.0, None
         if missing:
             begun = yield from plan.begun(stack, control)
-            solved, fraction = as_solved(begun.pending, control), begun.fraction
-            problem, kept = begun.problem, begun.kept
+            solved, fraction, problem = as_solved(begun.pending, control), begun.fraction, begun.problem
         total = sum(map(len, runs))
         span = (_REVIEWED_FROM if review.is_needed else 1.0) - fraction
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
@@ -123,7 +122,7 @@ def morph(
             ends = done == total and review.is_done()
             share = 1.0 if ends else fraction + span * done / total
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
-        remaking = Remaking(plan, runs, store, problem, control, kept)
+        remaking = Remaking(plan, runs, store, problem, control)
         yield from within(remaking.fitted(review), fraction + span, 1.0)
 
 

@@ -56,7 +56,7 @@ _AT_REST = 2.0
 
 @dataclass(frozen=True)
 class MovingProblem:
-    """The problem shared by all blends of moving inputs; can be sent to another process.
+    """The problem shared by all blends of moving inputs; see :class:`.BlendProblem`.
 
     Attributes
     ----------
@@ -138,9 +138,8 @@ class MovingProblem:
         lattice = still.lattice.holding(room)
         return cls(still, motion, lattice, tuple(names), matching, sampled=sampled, spans=spans)
 
-    @property
-    def solves_singly(self) -> bool:
-        """Whether every blend is solved by itself, not from the preceding one of its run."""
+    def solves_singly(self, _blends: Sequence[Blend]) -> bool:
+        """Whether blends are solved by themselves, not from the preceding one of their run."""
         return True
 
     def demanding(self, demand: Demand) -> MovingProblem:

@@ -13,13 +13,12 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .bake_plan import BakePlan
+from .blend_problem import BlendProblem
 from .demands import Demand
 from .frame_cache import BakeCache
-from .kept_blends import KeptBlends
 from .layouts import Blend
 from .limited_chain import LimitedChain
-from .morph_problem import MorphFrame, MorphProblem
-from .moving_problem import MovingProblem
+from .morph_problem import MorphFrame
 from .runs import Run, as_solved
 from .solving_again import Asked
 from .steady_topology import SteadyTopology, legs_of
@@ -73,12 +72,10 @@ class Remaking:
         All runs of the bake.
     store : BakeCache or None
         Frames in this cache are not computed again.
-    problem : MorphProblem, MovingProblem or None
+    problem : BlendProblem or None
         The problem shared by all blends; None if all frames came from the cache.
     control : Control
         Cancels the work.
-    kept : KeptBlends or None
-        Blends of this bake that need not be solved again.
     """
 
     def __init__(
@@ -86,12 +83,10 @@ class Remaking:
         plan: BakePlan,
         runs: Sequence[Run],
         store: BakeCache | None,
-        problem: MorphProblem | MovingProblem | None,
+        problem: BlendProblem | None,
         control: Control,
-        kept: KeptBlends | None = None,
     ) -> None:
         self._plan, self._runs, self._store, self._problem, self._control = plan, runs, store, problem, control
-        self._kept = kept
         self._most_held = _MOST_HELD_BY_TRANSPORT if plan.settings.motion == "transport" else _MOST_HELD
         self._demands: dict[Blend, Demand] = {}
         self._surfaces: dict[Blend, MeasuredSurface] = {}
@@ -219,9 +214,7 @@ class Remaking:
         runs = self._affected(missing)
         if self._problem is None:
             self._problem = yield from within(replace(self._plan, runs=runs).prepared(self._control), 0.0, 0.0)
-            if not isinstance(self._problem, MovingProblem):
-                self._kept = self._plan.keeping(self._problem)
-        with self._plan.again(self._problem, runs, missing, self._control, self._kept) as pending:
+        with self._plan.again(self._problem, runs, missing, self._control) as pending:
             for solved in as_solved(pending, self._control):
                 for frame in solved.frames:
                     found[frame.blend] = frame

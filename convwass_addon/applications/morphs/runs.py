@@ -14,11 +14,11 @@ from ...errors import InputError
 from ...geometry.connectivity import Connectivity
 from ...progress import Control
 from ..workers import frame_workers, one_blas_thread
+from .blend_problem import BlendProblem
 from .blending import HandOver, Sketch, sketch_blends, solve_blends
-from .kept_blends import KeptBlends
 from .layouts import Blend
-from .morph_problem import MorphFrame, MorphProblem
-from .moving_problem import MovingProblem
+from .morph_problem import MorphFrame
+from .resting_problem import RestingProblem
 from .spare_threads import SpareThreads
 
 RUN_LENGTH = 4
@@ -100,14 +100,10 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 
 
 def runs_in_threads(
-    problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int, kept: KeptBlends | None = None
+    problem: BlendProblem, runs: dict[int, Run], control: Control, workers: int
 ) -> AbstractContextManager[Pending]:
-    """Solve runs of a morph between solids in threads, and keep the blends; see :func:`solved_in_threads`."""
-
-    def solve(run: Run, control: Control, hand_over: HandOver) -> list[MorphFrame]:
-        return solve_blends(problem, run, control, None, hand_over, kept)
-
-    return solved_in_threads(solve, problem.transport.effort, runs, control, workers)
+    """Solve runs of a morph between solids in threads; see :func:`solved_in_threads`."""
+    return solved_in_threads(problem.frames, problem.effort, runs, control, workers)
 
 
 @contextmanager
@@ -150,54 +146,49 @@ def _begin(solve: RunSolver, run: Run, control: Control, spare: SpareThreads) ->
 
 @contextmanager
 def sketched_runs_in_threads(
-    problem: MorphProblem,
-    runs: dict[int, Run],
-    sketched: Sequence[int],
-    control: Control,
-    workers: int,
-    kept: KeptBlends | None,
+    problem: RestingProblem, runs: dict[int, Run], sketched: Sequence[int], control: Control, workers: int
 ) -> Iterator[SketchedRuns]:
     """Like :func:`runs_in_threads` for a problem with coarser levels, which are solved first for some runs.
 
     Parameters
     ----------
-    problem : MorphProblem
+    problem : RestingProblem
         Without the connectivity of its shapes, which is determined after the sketches.
     runs : dict
         All runs, by index.
     sketched : sequence of int
         Indices of the runs to sketch: first the first blend of each, in this order, then the second of each, and so on,
         so that previews cover the whole morph early.
-    control, workers, kept
+    control, workers
         As for :func:`runs_in_threads`.
     """
     with _threads(control, workers) as (executor, own):
         spare = SpareThreads(executor, len(runs), workers - 1)
-        yield _begun(executor, problem, runs, sketched, own, spare, kept)
+        yield _begun(executor, problem, runs, sketched, own, spare)
 
 
 def _begun(
     executor: Executor,
-    problem: MorphProblem,
+    problem: RestingProblem,
     runs: dict[int, Run],
     sketched: Sequence[int],
     control: Control,
     spare: SpareThreads,
-    kept: KeptBlends | None,
 ) -> SketchedRuns:
     """Submit all work in the order of execution; a sketch is freed when nothing waits for it any more."""
     # Threads start work in this order, so whatever a thread waits for is already running in another one.
-    chains = {index: sketch_blends(problem, runs[index], control) for index in sketched}
+    still = problem.still
+    chains = {index: sketch_blends(still, runs[index], control) for index in sketched}
     sketches: dict[int, list[Future[Sketch]]] = {index: [] for index in sketched}
     for place in range(RUN_LENGTH):
         for index in sketched:
             if place < len(runs[index]):
                 sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
     connectivity = [
-        executor.submit(problem.shape_connectivity, index, control) for index in range(len(problem.transport.volumes))
+        executor.submit(still.shape_connectivity, index, control) for index in range(len(still.transport.volumes))
     ]
     frames = {
-        executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index), kept): index
+        executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index)): index
         for index, run in runs.items()
     }
     rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
@@ -212,18 +203,17 @@ def _next_sketch(chain: Iterator[Sketch], before: Sequence[Future[Sketch]]) -> S
 
 
 def _solve_sketched(
-    problem: MorphProblem,
+    problem: RestingProblem,
     run: Run,
     control: Control,
     spare: SpareThreads,
     connectivity: Sequence[Future[Connectivity]],
     sketches: Sequence[Future[Sketch]] | None,
-    kept: KeptBlends | None,
 ) -> list[MorphFrame]:
     known = None if sketches is None else [sketch.result() for sketch in sketches]
-    whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity), meshes=())
+    whole = replace(problem.still, connectivity=tuple(shape.result() for shape in connectivity), meshes=())
     spare.begin()
-    return solve_blends(whole, run, control, known, spare.hand_over, kept)
+    return solve_blends(whole, run, control, known, spare.hand_over, problem.kept)
 
 
 @contextmanager
@@ -240,10 +230,10 @@ def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control
 
 @contextmanager
 def runs_elsewhere(
-    problem: MorphProblem | MovingProblem,
+    problem: BlendProblem,
     runs: dict[int, Run],
     executor: Executor,
-    solve: Callable[[MorphProblem | MovingProblem, Run], list[MorphFrame]] | None = None,
+    solve: Callable[[BlendProblem, Run], list[MorphFrame]] | None = None,
 ) -> Iterator[Pending]:
     """Solve runs with the caller's executor; when the context is left, runs that have not started are cancelled.
 
@@ -260,10 +250,10 @@ def runs_elsewhere(
             future.cancel()
 
 
-def solve_apart(problem: MorphProblem | MovingProblem, run: Run) -> list[MorphFrame]:
+def solve_apart(problem: BlendProblem, run: Run) -> list[MorphFrame]:
     """Solve a run in another process, with one BLAS thread."""
     with one_blas_thread():
-        return problem.frames(run) if isinstance(problem, MovingProblem) else solve_blends(problem, run)
+        return problem.frames(run)
 
 
 def as_solved(pending: Pending, control: Control) -> Iterator[SolvedRun]:
