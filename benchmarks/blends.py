@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications.morphs import blending, extraction
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame, MorphProblem
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import SplitShapes
@@ -133,6 +134,6 @@ def baked_frames(
 ) -> list[MorphFrame]:
     """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
     names = [f"shape {index}" for index in range(len(shapes))]
-    steps = morph(shapes, names, path_blends(len(shapes), frames), settings, guides=guides)
+    steps = morph(MorphInputs.of(shapes, names, guides=guides), path_blends(len(shapes), frames), settings)
     # A frame may be yielded more than once.
     return list({frame.blend: frame for frame in payloads(steps, MorphFrame)}.values())

@@ -24,8 +24,8 @@ from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.live_shapes import LiveShape, LiveShapes
 from convwass_addon.applications.live.weight_layouts import layout_of
 from convwass_addon.applications.morphs.extraction import LevelDensity, estimated_level_density, level_density
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import sketchable_problem
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.bridge.objects import write_triangles
@@ -176,7 +176,7 @@ def _compared(
 ) -> tuple[list[float], list[float]]:
     """Return the distances of mixed surfaces from solved ones, in cells, and the relative errors of their volumes."""
     source, _ = _source(shapes, cells, cells, _EXACT)
-    lattice = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
+    lattice = Lattice.around(shapes.inputs.shapes, cells, MorphSettings(resolution=cells).sigma)
     distances, volumes = [], []
     for weights in scattered:
         live.point(weights)
@@ -195,9 +195,9 @@ def _source(
     read: Callable[..., LevelDensity] = level_density,
 ) -> tuple[TransportSource | StandInSource, object]:
     settings = MorphSettings(resolution=solved, motion="transport", tolerance=tolerance)
-    problem = drained(sketchable_problem(shapes.meshes, shapes.names, shapes.matching, settings, 1))
-    fine = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
-    box = box_of_shapes(shapes.meshes, fine)
+    problem = drained(sketchable_problem(shapes.inputs, settings, 1))
+    fine = Lattice.around(shapes.inputs.shapes, cells, MorphSettings(resolution=cells).sigma)
+    box = box_of_shapes(shapes.inputs.shapes, fine)
     if cells == solved:
         return TransportSource(problem, box, read=read), box
     return StandInSource(problem, fine, box), box
@@ -205,18 +205,18 @@ def _source(
 
 def _shapes(names: Sequence[str]) -> LiveShapes:
     meshes = read_meshes([ASSETS / f"{name}.ply" for name in names])
-    return LiveShapes(meshes, tuple(names), unparted(len(names)))
+    return LiveShapes(MorphInputs.of(meshes, tuple(names)))
 
 
 def _settings(cells: int, steps: int, shapes: LiveShapes) -> LiveSettings:
     """Return settings for which the lattice ends at a number of steps, or at the finest level."""
     if not steps:
         return LiveSettings(live_resolution=cells)
-    fine = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
-    layout = layout_of(len(shapes.names))
+    fine = Lattice.around(shapes.inputs.shapes, cells, MorphSettings(resolution=cells).sigma)
+    layout = layout_of(len(shapes.inputs.names))
     count = count_of_nodes(layout, [own for own in LEVELS if own <= steps])
     blends = [layout.weights(node, LEVELS[0]) for node in layout.nodes(LEVELS[0])]
-    megabytes = estimated_field_bytes(shapes.meshes, fine, blends) * count / 1e6
+    megabytes = estimated_field_bytes(shapes.inputs.shapes, fine, blends) * count / 1e6
     return LiveSettings(live_resolution=cells, live_memory=int(np.ceil(megabytes)))
 
 

@@ -15,6 +15,7 @@ from scipy.ndimage import maximum_filter, minimum_filter
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import element_values
@@ -114,7 +115,7 @@ def seconds(cells: int) -> dict[str, object]:
     inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
     depsgraph, blends = bpy.context.evaluated_depsgraph_get(), path_blends(2, 4)
     shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
-    work = morph(shapes, ["Sphere", "Cube"], blends, MorphSettings(cells), computation=Computation(1))
+    work = morph(MorphInputs.of(shapes, ["Sphere", "Cube"]), blends, MorphSettings(cells), computation=Computation(1))
     reports = [report for report in work if isinstance(report.payload, MorphFrame) and report.payload.mesh is not None]
     found: dict[str, object] = {"triangles": max(len(report.payload.mesh.faces) for report in reports)}
     for looks in ("COLORS", "FADE"):

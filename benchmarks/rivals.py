@@ -27,6 +27,7 @@ from scipy.ndimage import gaussian_filter
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice, voxelized
@@ -177,7 +178,7 @@ def held_together(ends: Ends) -> list[TriangleMesh]:
 
 def _morphed(ends: Ends, motion: str) -> list[TriangleMesh]:
     settings = MorphSettings(resolution=ends.cells, motion=motion)
-    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), settings, computation=Computation(1))
+    steps = morph(MorphInputs.of(ends.shapes, ends.names), path_blends(2, STEPS), settings, computation=Computation(1))
     frames = {frame.blend: frame for frame in payloads(steps, MorphFrame)}.values()
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 

@@ -23,6 +23,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.studio import Studio
@@ -90,7 +91,7 @@ def slow_motion() -> Image.Image:
 def blended(shapes: Sequence[TriangleMesh], times: Sequence[float], cells: int) -> list[TriangleMesh]:
     """Return the blends of two shapes at some times from 0 to 1, with default settings."""
     blends = [Blend((1.0 - float(t), float(t))) for t in times]
-    steps = morph(shapes, ("First", "Second"), blends, MorphSettings(resolution=cells))
+    steps = morph(MorphInputs.of(shapes, ("First", "Second")), blends, MorphSettings(resolution=cells))
     frames = [step.payload for step in steps if step.payload is not None]
     return [shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 

@@ -28,6 +28,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -263,7 +264,7 @@ def parts() -> Figure:
     settings = MorphSettings(resolution=96, motion="transport", mend=False)
     canvas = Canvas(_WIDTH, 760)
     for row, chosen in enumerate((None, labels)):
-        steps = morph(meshes, names, path_blends(2, 4), settings, labels=chosen)
+        steps = morph(MorphInputs.of(meshes, names, labels=chosen), path_blends(2, 4), settings)
         for column, frame in enumerate(step.payload for step in steps if step.payload):
             mesh = meshes[frame.blend.source] if frame.mesh is None else frame.mesh
             own = labels[frame.blend.source].faces if frame.mesh is None and chosen else np.full(len(mesh.faces), -1)

@@ -14,8 +14,8 @@ from PIL import Image, ImageDraw, ImageFont
 from convwass_addon.applications.live.live_blends import LiveBlends
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.live_shapes import LiveShapes
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import Matching
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 
@@ -49,9 +49,7 @@ class Moment:
 
 def live_frames(meshes: Sequence[TriangleMesh], names: Sequence[str]) -> list[Moment]:
     """Return what a live morph of three shapes shows on the way around its pad, once its lattice is filled."""
-    shapes = LiveShapes(
-        tuple(meshes), tuple(names), Matching((), tuple(np.zeros(len(mesh.faces), np.int64) for mesh in meshes))
-    )
+    shapes = LiveShapes(MorphInputs.of(meshes, names))
     # A clock that is far ahead: everything has been faded in.
     times = iter(range(0, 10**9, 10))
     live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=_CELLS), clock=lambda: next(times))

@@ -341,11 +341,12 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
 def test_two_meshes_follow_a_morph_of_the_given_threads(shapes, tmp_path, monkeypatch, capfd):
     asked = []
 
-    def swapped(meshes, names, error, settings, guides, control, how):
+    def swapped(inputs, error, settings, control, how):
         asked.append(how.workers)
         yield Progress(0.5, Sentence("Half"))
         still = [
-            KeyPath("Other", (1.0,), mesh.vertices[None], None, 0.0, 0.0, 0.0, 0, poor=np.array([7])) for mesh in meshes
+            KeyPath("Other", (1.0,), mesh.vertices[None], None, 0.0, 0.0, 0.0, 0, poor=np.array([7]))
+            for mesh in inputs.shapes
         ]
         return SwappedMeshes(*still, 0.5, 0.001)
 
@@ -721,9 +722,9 @@ def cube_and_ball_of_blend(shapes):
 def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
     heard = []
 
-    def transporting(meshes, names, blends, settings, control, *, guides, **options):
-        heard.append((settings.motion, list(guides)))
-        return morph(meshes, names, blends, replace(settings, motion="transport"), control, guides=guides, **options)
+    def transporting(inputs, blends, settings, control, **options):
+        heard.append((settings.motion, list(inputs.guides)))
+        return morph(inputs, blends, replace(settings, motion="transport"), control, **options)
 
     monkeypatch.setattr(job, "morph", transporting)
     out, file = tmp_path / "morph.blend", tmp_path / "guides.json"

@@ -7,6 +7,7 @@ from __future__ import annotations
 APPLICATIONS = {
     "morphs": {
         "morph": ("morph",),
+        "morph_inputs": ("MorphInputs",),
         "computation": ("Computation",),
         "bake_plan": ("MorphPreview",),
         "morph_problem": ("MorphFrame",),

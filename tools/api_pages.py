@@ -61,7 +61,7 @@ need only the result:
 ```python
 from convwass_addon.progress import drained
 
-for progress in morph(shapes, names, blends, MorphSettings()):
+for progress in morph(MorphInputs.of(shapes, names), blends, MorphSettings()):
     print(f"{progress.fraction:.0%} {progress.message}")
 frames = drained(interpolation_steps(first, second, surface, DensitySettings()))
 ```

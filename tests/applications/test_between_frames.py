@@ -16,6 +16,7 @@ from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.frame_file import read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.applications.motions.motion_choice import MotionChoice
@@ -39,17 +40,18 @@ NAMES = ("a", "b")
 LABELS = [FaceLabels(("box", "ball"), np.repeat([0, 1], [12, len(shape.faces) - 12])) for shape in SHAPES]
 
 
-def at(cache, *numbers, options=QUICK, **others):
-    steps = list(between_frames(SHAPES, NAMES, PATH, numbers, options, Computation(2, cache=cache), **others))
+def at(cache, *numbers, options=QUICK, labels=None):
+    inputs = MorphInputs.of(SHAPES, NAMES, labels)
+    steps = list(between_frames(inputs, PATH, numbers, options, Computation(2, cache=cache)))
     fractions = [step.fraction for step in steps]
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1.0)
     return [step.payload for step in steps if step.payload]
 
 
-def solved(weights, options=QUICK, **others):
+def solved(weights, options=QUICK, labels=None):
     blend = single_blend(weights, 2)
-    return next(s.payload for s in morph(SHAPES, NAMES, blend, options, **others) if s.payload)
+    return next(s.payload for s in morph(MorphInputs.of(SHAPES, NAMES, labels), blend, options) if s.payload)
 
 
 def distance(one, other):
@@ -63,7 +65,8 @@ def distance(one, other):
 def cache(tmp_path_factory):
     """All frames of the path."""
     kept = FrameCache(tmp_path_factory.mktemp("frames"))
-    assert len(list(morph(SHAPES, NAMES, PATH, FINE, computation=Computation(2, cache=kept)))) >= len(PATH)
+    steps = morph(MorphInputs.of(SHAPES, NAMES), PATH, FINE, computation=Computation(2, cache=kept))
+    assert len(list(steps)) >= len(PATH)
     return kept
 
 
@@ -114,7 +117,7 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
 
 
 def test_whole_numbers_return_stored_frames(cache, monkeypatch):
-    steps = morph(SHAPES, NAMES, PATH, FINE, computation=Computation(cache=cache))
+    steps = morph(MorphInputs.of(SHAPES, NAMES), PATH, FINE, computation=Computation(cache=cache))
     stored = [step.payload for step in steps if step.payload]
     monkeypatch.setattr(between, "prepared_problem", None)
     found = at(cache, 12.0, 0, 7, options=FINE)
@@ -130,7 +133,7 @@ def test_whole_numbers_return_stored_frames(cache, monkeypatch):
 def test_numbers_count_the_blends_of_a_path_not_scene_frames(tmp_path):
     """There may be several scene frames from one blend to the next."""
     computation, path = Computation(2, cache=FrameCache(tmp_path)), path_blends(2, 8, 4)
-    steps = between_frames(SHAPES, NAMES, path, [1.0, 1.5], QUICK, computation)
+    steps = between_frames(MorphInputs.of(SHAPES, NAMES), path, [1.0, 1.5], QUICK, computation)
     middle, between_both = (step.payload for step in steps if step.payload)
     assert middle.blend.weights == middle.record["weights"] == (0.5, 0.5)
     assert between_both.blend.weights == between_both.record["weights"] == (0.25, 0.75)
@@ -182,7 +185,7 @@ def test_parts_start_each_from_their_own(tmp_path, cold):
 def rewritten(cache, index, change):
     """Put other potentials, with a hash that is right, into a frame of the cache."""
     run = tuple(PATH[index - index % 4 : index - index % 4 + 4])
-    path = cache.of(SHAPES, NAMES, None, QUICK).paths(run)[index % 4]
+    path = cache.of(MorphInputs.of(SHAPES, NAMES), QUICK).paths(run)[index % 4]
     frame = read_frame(path, path.stem)
     potentials = tuple(change(part) for part in frame.potentials)
     write_frame(path, path.stem, dataclasses.replace(frame, potentials=potentials))
@@ -267,5 +270,5 @@ def test_a_blend_of_a_path_has_the_motion_of_the_path(tmp_path, monkeypatch):
     monkeypatch.setattr(MotionMemory, "chosen", chosen)
     shapes, settings = (*SHAPES, SHAPES[0]), MorphSettings(resolution=32, motion="warp")
     computation = Computation(cache=FrameCache(tmp_path))
-    drained(between_frames(shapes, ("a", "b", "c"), path_blends(3, 4), [1.5], settings, computation))
+    drained(between_frames(MorphInputs.of(shapes, ("a", "b", "c")), path_blends(3, 4), [1.5], settings, computation))
     assert asked == [[(0, 1), (1, 2)]]

@@ -15,6 +15,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions import motion_candidates
@@ -43,7 +44,8 @@ def window():
 def made(shapes, resolution, motion="transport", **how):
     """All frames as they come; some come twice."""
     settings = MorphSettings(motion=motion, resolution=resolution)
-    return list(payloads(morph(shapes, ["a", "b"], BLENDS, settings, computation=Computation(**how)), MorphFrame))
+    steps = morph(MorphInputs.of(shapes, ["a", "b"]), BLENDS, settings, computation=Computation(**how))
+    return list(payloads(steps, MorphFrame))
 
 
 def final(frames):
@@ -149,9 +151,8 @@ def test_a_part_of_a_bake_is_not_revised(flickering):
 def test_a_bake_can_be_stopped_during_the_revision(flickering):
     shapes, expected, _ = flickering
     control = Control()
-    steps = payloads(
-        morph(shapes, ["a", "b"], BLENDS, MorphSettings(motion="transport", resolution=21), control), MorphFrame
-    )
+    inputs, settings = MorphInputs.of(shapes, ["a", "b"]), MorphSettings(motion="transport", resolution=21)
+    steps = payloads(morph(inputs, BLENDS, settings, control), MorphFrame)
     with pytest.raises(Cancelled):
         for count, _ in enumerate(steps, start=1):
             if count == len(BLENDS):

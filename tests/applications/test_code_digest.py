@@ -23,11 +23,13 @@ import sys
 from pathlib import Path
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 
 shape = TriangleMesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 2, 1]])
-cache = FrameCache(Path(sys.argv[1])).of([shape, shape], ["a", "b"], None, MorphSettings(motion="transport"))
+inputs = MorphInputs.of([shape, shape], ["a", "b"])
+cache = FrameCache(Path(sys.argv[1])).of(inputs, MorphSettings(motion="transport"))
 print(*(path.name for path in cache.paths(path_blends(2, 3))))
 """
 

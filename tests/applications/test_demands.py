@@ -10,8 +10,8 @@ import pytest
 from convwass_addon.applications.morphs.blending import solve_blends
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.layouts import Blend
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.progress import drained
@@ -25,7 +25,7 @@ ONE, TWO = Connectivity(1, 0, 0), Connectivity(2, 0, 0)
 
 @pytest.fixture(scope="module")
 def problem():
-    return drained(prepared_problem(SHAPES, ("a", "b"), unparted(2), SETTINGS, 1))
+    return drained(prepared_problem(MorphInputs.of(SHAPES, ("a", "b")), SETTINGS, 1))
 
 
 def frame_of(problem, demand=None):

@@ -15,6 +15,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.detail import starts_on_readings
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -53,7 +54,7 @@ class Turning:
 
 def frame_of_balls(detail, share):
     settings = MorphSettings(resolution=40, detail=detail, carry=False)
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), settings, 1))
     problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
     return problem.frame(Blend((1.0 - share, share)), Control()), problem.lattice.spacing
 
@@ -95,7 +96,8 @@ def test_transport_carries_detail_if_requested():
     found = {}
     for detail in (None, 1.0):
         settings = MorphSettings(resolution=32, motion="transport", detail=detail)
-        steps = morph(shapes, NAMES, path_blends(2, 25), settings, computation=Computation(1, wanted=range(1, 2)))
+        inputs = MorphInputs.of(shapes, NAMES)
+        steps = morph(inputs, path_blends(2, 25), settings, computation=Computation(1, wanted=range(1, 2)))
         found[detail] = [step.payload for step in steps if step.payload is not None][1]
     area = box().area * 23 / 24 + shapes[1].area / 24
     assert found[None].mesh.area < 0.965 * area < 0.98 * area < found[1.0].mesh.area < 1.01 * area

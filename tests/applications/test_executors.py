@@ -21,6 +21,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.cluster import ClusterExecutor, cluster_workers
@@ -60,7 +61,7 @@ def counted(address):
 
 
 def steps(control=UNINTERRUPTED, **where):
-    work = morph(SHAPES, ["a", "b"], BLENDS, QUICK, control, computation=Computation(**where))
+    work = morph(MorphInputs.of(SHAPES, ["a", "b"]), BLENDS, QUICK, control, computation=Computation(**where))
     return (step for step in work if step.payload)
 
 

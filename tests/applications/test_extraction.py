@@ -12,6 +12,7 @@ import pytest
 from convwass_addon.applications.morphs.extraction import Constraint, connectivity_of, extract_surface
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
@@ -34,7 +35,8 @@ def animals():
 
 
 def frames_of(shapes, count, settings):
-    steps = morph(shapes, [f"shape {i}" for i in range(len(shapes))], path_blends(len(shapes), count), settings)
+    inputs = MorphInputs.of(shapes, [f"shape {i}" for i in range(len(shapes))])
+    steps = morph(inputs, path_blends(len(shapes), count), settings)
     return [step.payload for step in steps if step.payload and step.payload.mesh is not None]
 
 

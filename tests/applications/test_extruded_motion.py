@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.motion_memory import MotionMemory
@@ -157,7 +158,8 @@ def test_around_a_triangle_the_way_closes():
 def test_a_ring_opens_once_while_it_becomes_a_c():
     settings = MorphSettings(resolution=48)
     computation = Computation(motions=MOTIONS)
-    steps = morph([RING, GAPPED], ["shape 0", "shape 1"], path_blends(2, 6), settings, computation=computation)
+    inputs = MorphInputs.of([RING, GAPPED], ["shape 0", "shape 1"])
+    steps = morph(inputs, path_blends(2, 6), settings, computation=computation)
     found = {step.payload.blend: step.payload for step in steps if isinstance(step.payload, MorphFrame)}
     between = [frame for blend, frame in sorted(found.items(), key=lambda own: own[0].frame) if blend.source is None]
     genera = [1 - topology(frame.mesh).euler // 2 for frame in between]

@@ -14,6 +14,7 @@ from convwass_addon.applications.morphs.following_problem import FollowingProble
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.origins import velocities
@@ -46,7 +47,7 @@ def turned(mesh, angle, to=(0.0, 0.0, 0.0)):
 def frames_of(shapes, animation, blends=None, **settings):
     blends = blends or path_blends(2, FRAMES)
     chosen = MorphSettings(32, **settings)
-    work = morph(shapes, ["A", "B"], blends, chosen, computation=Computation(1), animation=animation)
+    work = morph(MorphInputs.of(shapes, ["A", "B"], animation=animation), blends, chosen, computation=Computation(1))
     return [report.payload for report in work if isinstance(report.payload, MorphFrame)]
 
 
@@ -129,7 +130,7 @@ def test_blends_by_transport_start_from_the_preceding_one_also_when_computed_aga
         return turned(box((3.0, 0.4, 0.4)), 0.1 * time)
 
     shapes, names = [first(0), second(0)], ["A", "B"]
-    still = drained(sketchable_problem(shapes, names, unparted(2), MorphSettings(32, motion="transport"), 1))
+    still = drained(sketchable_problem(MorphInputs.of(shapes, names), MorphSettings(32, motion="transport"), 1))
     animation = animated(first, second, frames=8)
     problem = FollowingProblem.around(still.with_connectivity(), None, animation, shapes, names, unparted(2))
     run = path_blends(2, 8)[2:5]
@@ -223,7 +224,7 @@ def test_cached_blends_of_animated_inputs_are_used(tmp_path):
         cache = FrameCache(tmp_path)
         settings, computation = MorphSettings(24, motion="transport"), Computation(1, cache=cache)
         blends = path_blends(2, FRAMES)
-        drained(morph(shapes, ["A", "B"], blends, settings, computation=computation, animation=still))
+        drained(morph(MorphInputs.of(shapes, ["A", "B"], animation=still), blends, settings, computation=computation))
         assert (cache.reused, cache.notices) == (reused, [])
 
 
@@ -233,7 +234,8 @@ def test_following_can_be_cancelled():
     control.cancel()
     still = animated(*(lambda _, own=own: own for own in shapes))
     with pytest.raises(Cancelled):
-        drained(morph(shapes, ["A", "B"], path_blends(2, 4), MorphSettings(32), control, animation=still))
+        inputs = MorphInputs.of(shapes, ["A", "B"], animation=still)
+        drained(morph(inputs, path_blends(2, 4), MorphSettings(32), control))
 
 
 def test_a_warp_follows_the_poses():

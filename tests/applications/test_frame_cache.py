@@ -23,6 +23,7 @@ from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFram
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.applications.morphs.part_potentials import PartPotentials
@@ -58,7 +59,7 @@ def solved(monkeypatch):
 
 def bake(cache=None, wanted=None, control=UNINTERRUPTED, workers=2):
     computation = Computation(workers, cache=cache, wanted=wanted)
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, control, computation=computation)
+    steps = morph(MorphInputs.of(SHAPES, ["a", "b"]), BLENDS, QUICK, control, computation=computation)
     return [step.payload for step in steps if step.payload]
 
 
@@ -97,7 +98,8 @@ def test_a_complete_cache_needs_no_voxels(tmp_path, monkeypatch):
 
 
 def test_an_interrupted_bake_continues(tmp_path, solved, expected):
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(1, cache=FrameCache(tmp_path)))
+    inputs = MorphInputs.of(SHAPES, ["a", "b"])
+    steps = morph(inputs, BLENDS, QUICK, computation=Computation(1, cache=FrameCache(tmp_path)))
     assert next(step for step in steps if step.payload)
     steps.close()
     kept = len(list(tmp_path.iterdir()))
@@ -154,9 +156,10 @@ def test_every_blend_is_in_one_run_and_runs_do_not_depend_on_the_range(count, da
     assert set(chosen) == {run for run in runs if set(run) & set(range(first, last + 1))}
 
 
-def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLENDS, **others):
+def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLENDS, pairs=(), animation=None):
+    inputs = MorphInputs.of(shapes, names, labels, animation=animation)
     with tempfile.TemporaryDirectory() as folder:
-        cache = FrameCache(Path(folder)).of(shapes, names, labels, options, **others)
+        cache = FrameCache(Path(folder)).of(inputs, options, pairs)
         return [path.name for path in cache.paths(blends)]
 
 
@@ -412,7 +415,7 @@ def test_pipes_links_and_folders_are_left_alone(tmp_path):
 def test_damaged_frames_are_named_and_made_again(tmp_path, solved):
     expected = bake(FrameCache(tmp_path))
     solved.clear()
-    damaged = FrameCache(tmp_path).of(SHAPES, ["a", "b"], None, QUICK).paths(BLENDS[4:8])[2]
+    damaged = FrameCache(tmp_path).of(MorphInputs.of(SHAPES, ["a", "b"]), QUICK).paths(BLENDS[4:8])[2]
     damaged.write_bytes(damaged.read_bytes()[:-1])
     cache = FrameCache(tmp_path)
     assert_same(bake(cache), expected)
@@ -426,7 +429,8 @@ def test_damaged_frames_are_named_and_made_again(tmp_path, solved):
 
 def test_a_frame_that_vanishes_while_it_is_being_read_ends_the_bake(tmp_path):
     bake(FrameCache(tmp_path))
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(cache=FrameCache(tmp_path)))
+    inputs = MorphInputs.of(SHAPES, ["a", "b"])
+    steps = morph(inputs, BLENDS, QUICK, computation=Computation(cache=FrameCache(tmp_path)))
     next(steps)
     for path in tmp_path.iterdir():
         path.unlink()
@@ -437,7 +441,7 @@ def test_a_frame_that_vanishes_while_it_is_being_read_ends_the_bake(tmp_path):
 def test_two_machines_may_write_the_same_frame(tmp_path, monkeypatch):
     """Windows does not replace what another machine is reading."""
     first = bake(wanted=range(1))[0]
-    cache = FrameCache(tmp_path).of(SHAPES, ["a", "b"], None, QUICK)
+    cache = FrameCache(tmp_path).of(MorphInputs.of(SHAPES, ["a", "b"]), QUICK)
     cache.save(BLENDS[:1], [first])
     monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(PermissionError(13, "in use")))
     cache.save(BLENDS[:1], [first])
@@ -458,7 +462,8 @@ def test_folders_that_cannot_be_are_refused(tmp_path):
 def test_spare_frames_take_a_bake_up_again_and_are_smaller(tmp_path, solved):
     """Blender is closed during a bake: finished frames are kept although no cache was requested."""
     spare, asked = tmp_path / "spare", tmp_path / "asked"
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(1, cache=SpareFrameCache(spare, 1 << 30)))
+    inputs = MorphInputs.of(SHAPES, ["a", "b"])
+    steps = morph(inputs, BLENDS, QUICK, computation=Computation(1, cache=SpareFrameCache(spare, 1 << 30)))
     assert next(step for step in steps if step.payload)
     steps.close()
     solved.clear()

@@ -9,6 +9,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.interpolated_volumes import interpolated_volumes
 from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -41,7 +42,8 @@ def test_a_body_grows_evenly_in_volume_or_size(motion, growth, length):
     small = TriangleMesh(unit.vertices * (1.0, 0.4, 0.3), unit.faces)
     large = TriangleMesh(2.2 * small.vertices, small.faces)
     settings = MorphSettings(resolution=28, motion=motion, growth=growth)
-    work = morph([small, large], ["A", "B"], [Blend((1.0 - T, T))], settings, computation=Computation(1))
+    inputs = MorphInputs.of([small, large], ["A", "B"])
+    work = morph(inputs, [Blend((1.0 - T, T))], settings, computation=Computation(1))
     with coarse_maps():
         (frame,) = payloads(work, MorphFrame)
     assert frame.mesh.volume == pytest.approx(small.volume * length**3, rel=0.01)

@@ -14,8 +14,8 @@ from convwass_addon.applications.morphs.blending import solve_blends
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.kept_blends import KeptBlends
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.resting_problem import RestingProblem
 from convwass_addon.applications.morphs.runs import as_solved
@@ -31,7 +31,7 @@ ASKED = {RUN[2]: Demand(Connectivity(1, 0, 0))}
 @pytest.fixture(scope="module")
 def problem():
     settings = MorphSettings(motion="transport", resolution=24)
-    prepared = drained(prepared_problem((ball(), box()), ("a", "b"), unparted(2), settings, 1))
+    prepared = drained(prepared_problem(MorphInputs.of((ball(), box()), ("a", "b")), settings, 1))
     return replace(prepared, keeps_potentials=True)
 
 

@@ -17,6 +17,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.memory_needs import estimated_bytes
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.progress import drained
@@ -40,7 +41,8 @@ def peak_of(work, settings):
 def test_of_solids(shapes):
     settings = MorphSettings(motion="transport", resolution=64)
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
-    peak = peak_of(lambda own: morph(shapes, ["a", "b"], BLENDS, own, computation=Computation(1)), settings)
+    inputs = MorphInputs.of(shapes, ["a", "b"])
+    peak = peak_of(lambda own: morph(inputs, BLENDS, own, computation=Computation(1)), settings)
     assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0
 
 

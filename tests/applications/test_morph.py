@@ -17,8 +17,8 @@ from convwass_addon.applications.morphs.blending import surfaced_frame
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import Cancelled, InputError, ResourceError
@@ -35,7 +35,7 @@ QUICK = MorphSettings(motion="transport", resolution=32)
 
 def frames_of(shapes, blends, settings=QUICK):
     names = [f"shape {i}" for i in range(len(shapes))]
-    found = [step.payload for step in morph(shapes, names, blends, settings) if step.payload]
+    found = [step.payload for step in morph(MorphInputs.of(shapes, names), blends, settings) if step.payload]
     # Revised frames come last.
     return list({frame.blend: frame for frame in found}.values())
 
@@ -165,7 +165,7 @@ def test_the_dial_of_sharpness_ends_where_blends_converge():
 
 
 def test_progress_never_goes_back_and_ends_at_one():
-    steps = list(morph([ball(), box()], ["a", "b"], path_blends(2, 3), QUICK))
+    steps = list(morph(MorphInputs.of([ball(), box()], ["a", "b"]), path_blends(2, 3), QUICK))
     fractions = [step.fraction for step in steps]
     assert fractions == sorted(fractions)
     assert fractions[-1] == 1.0
@@ -176,7 +176,7 @@ def test_frames_are_the_same_wherever_they_are_computed():
     shapes, blends = [ball(), box()], path_blends(2, 6)
 
     def vertices(**where):
-        steps = morph(shapes, ["a", "b"], blends, QUICK, computation=Computation(**where))
+        steps = morph(MorphInputs.of(shapes, ["a", "b"]), blends, QUICK, computation=Computation(**where))
         return [step.payload.mesh.vertices for step in steps if step.payload and step.payload.mesh is not None]
 
     expected = vertices(workers=1)
@@ -191,7 +191,7 @@ def test_a_job_in_other_processes_can_be_cancelled():
     shapes, blends = [ball(), box()], path_blends(2, 50)
     with ThreadPoolExecutor(1) as elsewhere, pytest.raises(Cancelled):
         computation = Computation(executor=elsewhere)
-        list(morph(shapes, ["a", "b"], blends, QUICK, cancelled_control(), computation=computation))
+        list(morph(MorphInputs.of(shapes, ["a", "b"]), blends, QUICK, cancelled_control(), computation=computation))
 
 
 def test_no_workers_are_refused():
@@ -202,14 +202,14 @@ def test_no_workers_are_refused():
 def test_a_job_can_be_cancelled():
     control = CountingControl(last=6)
     with pytest.raises(Cancelled):
-        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, control))
+        list(morph(MorphInputs.of([ball(), box()], ["a", "b"]), path_blends(2, 50), QUICK, control))
     # Every run that a thread still begins ends at its first check.
     assert control.count < 6 + os.cpu_count() + 50 / 4
 
 
 def test_a_background_job_delivers_and_can_be_cancelled():
     shapes, blends = [ball(), box()], path_blends(2, 400)
-    job = BackgroundJob(lambda control: morph(shapes, ["a", "b"], blends, QUICK, control))
+    job = BackgroundJob(lambda control: morph(MorphInputs.of(shapes, ["a", "b"]), blends, QUICK, control))
     steps = []
     deadline = time.monotonic() + 60
     while sum(step.payload is not None for step in steps) < 3 and time.monotonic() < deadline:
@@ -222,7 +222,8 @@ def test_a_background_job_delivers_and_can_be_cancelled():
 
 
 def test_a_background_job_hands_over_its_error():
-    job = BackgroundJob(lambda control: morph([ball(), square()], ["a", "b"], path_blends(2, 2), QUICK, control))
+    inputs = MorphInputs.of([ball(), square()], ["a", "b"])
+    job = BackgroundJob(lambda control: morph(inputs, path_blends(2, 2), QUICK, control))
     while not job.done:
         time.sleep(0.01)
     assert isinstance(job.error, InputError)
@@ -303,7 +304,7 @@ def test_the_automatic_blur_is_widened_if_it_is_too_narrow(monkeypatch):
 
 def test_the_surface_of_a_blend_can_be_cancelled():
     settings = MorphSettings(motion="transport", resolution=16)
-    problem = drained(prepared_problem((ball(), box()), ("a", "b"), unparted(2), settings, 1))
+    problem = drained(prepared_problem(MorphInputs.of((ball(), box()), ("a", "b")), settings, 1))
     blend = Blend((0.5, 0.5))
     solved = BlendSolver(problem.transport, UNINTERRUPTED).solve(blend, problem.transport.blend_volumes(blend))
     with pytest.raises(Cancelled):
@@ -313,4 +314,4 @@ def test_the_surface_of_a_blend_can_be_cancelled():
 def test_meshes_without_area_are_named():
     point = TriangleMesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))
     with pytest.raises(InputError, match="Dot has no faces with an area"):
-        drained(morph([ball(), point], ["Ball", "Dot"], path_blends(2, 2), QUICK))
+        drained(morph(MorphInputs.of([ball(), point], ["Ball", "Dot"]), path_blends(2, 2), QUICK))

@@ -10,6 +10,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import pairs_of, path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions import motion_memory
@@ -26,7 +27,8 @@ NAMES = ("down", "up")
 
 
 def baked(shapes, settings, guides=(), **how):
-    work = morph(shapes, NAMES, path_blends(2, 4), settings, guides=guides, computation=Computation(**how))
+    inputs = MorphInputs.of(shapes, NAMES, guides=guides)
+    work = morph(inputs, path_blends(2, 4), settings, computation=Computation(**how))
     reports = list(work)
     return [one.payload for one in reports if isinstance(one.payload, MorphFrame)], reports
 
@@ -64,7 +66,7 @@ def test_motions_are_found_for_shapes_whose_seams_are_closed(monkeypatch):
     ring = torus()
     apart = TriangleMesh(ring.corners.reshape(-1, 3), np.arange(3 * len(ring.faces)).reshape(-1, 3))
     guides = [{0: len(apart.vertices) - 1, 1: int(ring.faces[-1, 2])}]
-    drained(morph((apart, ring), NAMES, path_blends(2, 2), MorphSettings(resolution=16), guides=guides))
+    drained(morph(MorphInputs.of((apart, ring), NAMES, guides=guides), path_blends(2, 2), MorphSettings(resolution=16)))
     (request,) = requests
     assert [topology(shape).closed for shape in request.shapes] == [True, True]
     assert request.shapes[0].volume == pytest.approx(ring.volume)
@@ -99,9 +101,8 @@ def test_frames_come_back_from_the_cache_with_their_tangents(guided, arms):
 
 def test_guides_make_another_bake(guided, arms):
     _, settings, cache = guided
-    digests = {
-        cache.of(arms, NAMES, None, settings, guides).paths(path_blends(2, 4)[:1])[0] for guides in ((), [{0: 1, 1: 2}])
-    }
+    inputs = [MorphInputs.of(arms, NAMES, guides=guides) for guides in ((), [{0: 1, 1: 2}])]
+    digests = {cache.of(own, settings).paths(path_blends(2, 4)[:1])[0] for own in inputs}
     assert len(digests) == 2
 
 

@@ -11,6 +11,7 @@ import pytest
 from convwass_addon.applications.morphs.blend_store import BlendStore
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -47,7 +48,7 @@ class Sliding:
 
 @pytest.fixture
 def problem() -> MovingProblem:
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=24, on_floor=False), 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), MorphSettings(resolution=24, on_floor=False), 1))
     return MovingProblem.of(still, Sliding(), path_blends(2, 3), NAMES, unparted(2), Control())
 
 

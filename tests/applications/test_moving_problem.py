@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -42,7 +43,7 @@ class Turning:
 @pytest.fixture(scope="module")
 def problem() -> MovingProblem:
     settings = MorphSettings(resolution=48, on_floor=False)
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), settings, 1))
     return MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
 
 
@@ -107,7 +108,7 @@ def test_the_grid_holds_the_swinging_rod(problem):
                 MovedShape(shape, turned(shape, turn).vertices) for shape, turn in zip(opposite, turns, strict=True)
             ]
 
-    still = drained(prepared_problem(opposite, NAMES, unparted(2), settings, 1))
+    still = drained(prepared_problem(MorphInputs.of(opposite, NAMES), settings, 1))
     moving = MovingProblem.of(still, HalfCircle(), path_blends(2, 4), NAMES, unparted(2), Control())
     assert moving.lattice.spacing == still.lattice.spacing
     assert moving.lattice.shape[1] > still.lattice.shape[1] + 20
@@ -135,7 +136,7 @@ def test_inputs_of_different_size_fill_their_cells():
             radius = np.dot(weights, RADII)
             return [MovedShape(own, own.vertices * (radius / size)) for own, size in zip(balls, RADII, strict=True)]
 
-    still = drained(prepared_problem(balls, NAMES, unparted(2), MorphSettings(resolution=48), 1))
+    still = drained(prepared_problem(MorphInputs.of(balls, NAMES), MorphSettings(resolution=48), 1))
     problem = MovingProblem.of(still, Scaling(), path_blends(2, 4), NAMES, unparted(2), Control())
     moved = problem.moved_blend(MIDDLE, Control())
     assert moved.coincides
@@ -152,7 +153,7 @@ def test_inputs_of_different_size_fill_their_cells():
 def test_a_blend_has_only_the_cells_that_it_needs():
     """A rod that turns within a plane needs few cells beside that plane."""
     settings = MorphSettings(resolution=48, on_floor=False)
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), settings, 1))
     apart = np.array([8.0, 0.0, 16.0])
     large = replace(still.lattice, shape=(64, 56, 48), origin=still.lattice.origin - apart * still.lattice.spacing)
     problem = replace(MovingProblem.of(still, Turning(), [MIDDLE], NAMES, unparted(2), Control()), lattice=large)

@@ -14,6 +14,7 @@ from convwass_addon.applications.morphs import blend_solver
 from convwass_addon.applications.morphs.layouts import single_blend
 from convwass_addon.applications.morphs.merging import merged_parts
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, part_notices, unparted
 from convwass_addon.applications.morphs.parts import joined, nearest_labels, part_volumes
@@ -45,7 +46,8 @@ def of_pair(left, right):
 
 def blended(shapes, labels, weights, options=QUICK, **others):
     blend = single_blend(weights, len(shapes))
-    return next(s.payload for s in morph(shapes, ["A", "B"], blend, options, labels=labels, **others) if s.payload)
+    inputs = MorphInputs.of(shapes, ["A", "B"], labels)
+    return next(s.payload for s in morph(inputs, blend, options, **others) if s.payload)
 
 
 def halves(mesh):

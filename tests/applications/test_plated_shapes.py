@@ -13,10 +13,11 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.part_labels import Matching, unparted
-from convwass_addon.applications.morphs.plated_shapes import PlatedShapes
+from convwass_addon.applications.morphs.part_labels import Matching
+from convwass_addon.applications.morphs.plated_shapes import with_plates
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import payloads
@@ -37,7 +38,8 @@ def finned(length):
 
 def middle_of(shapes, animation=None, **settings):
     names = [f"shape {index}" for index in range(len(shapes))]
-    steps = morph(shapes, names, path_blends(len(shapes), 2), MorphSettings(CELLS, **settings), animation=animation)
+    inputs = MorphInputs.of(shapes, names, animation=animation)
+    steps = morph(inputs, path_blends(len(shapes), 2), MorphSettings(CELLS, **settings))
     found = {frame.blend.frame: frame for frame in payloads(steps, MorphFrame)}
     return found[1].mesh
 
@@ -71,9 +73,8 @@ def test_a_fin_follows_an_animated_shape():
 def test_a_fin_stays_whole_between_frames(tmp_path):
     """Blends between those of a path are solved from its kept frames, which have the fin."""
     shapes, settings = [finned(0.8), finned(1.2)], MorphSettings(CELLS, motion="transport")
-    steps = between_frames(
-        shapes, ["a", "b"], path_blends(2, 2), [1.5], settings, Computation(2, cache=FrameCache(tmp_path))
-    )
+    inputs = MorphInputs.of(shapes, ["a", "b"])
+    steps = between_frames(inputs, path_blends(2, 2), [1.5], settings, Computation(2, cache=FrameCache(tmp_path)))
     (frame,) = payloads(steps, MorphFrame)
     expected = finned(1.1)
     assert farthest(frame.mesh, expected.corners[len(BODY.faces) :].mean(axis=1)) < 2.0
@@ -83,7 +84,7 @@ def test_parts_include_plates():
     shape = finned(1.0)
     parts = np.repeat([0, 1], [len(BODY.faces), len(shape.faces) - len(BODY.faces)])
     matching = Matching(("body", "fin"), (parts, np.full(len(BODY.faces), 2)))
-    plated = PlatedShapes.of([shape, BODY], MorphSettings(CELLS), matching)
+    plated = with_plates(MorphInputs([shape, BODY], ["a", "b"], matching), MorphSettings(CELLS))
     volumes = np.bincount(plated.matching.faces[0], plated.shapes[0].face_volumes)
     thickness = 2.0 * shape.longest_side / CELLS
     fin = TriangleMesh(shape.vertices, shape.faces[len(BODY.faces) :])
@@ -92,6 +93,6 @@ def test_parts_include_plates():
 
 
 def test_plates_get_the_thickness_of_the_settings():
-    plated = PlatedShapes.of([finned(1.0)], MorphSettings(CELLS, thickness=0.2), unparted(1))
+    plated = with_plates(MorphInputs.of([finned(1.0)], ["a"]), MorphSettings(CELLS, thickness=0.2))
     fin = TriangleMesh(finned(1.0).vertices, finned(1.0).faces[len(BODY.faces) :])
     assert plated.shapes[0].volume == pytest.approx(BODY.volume + 0.2 * fin.area, rel=0.01)

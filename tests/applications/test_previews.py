@@ -22,6 +22,7 @@ from convwass_addon.applications.morphs.extraction import connectivity_of
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
@@ -42,7 +43,8 @@ QUICK = MorphSettings(motion="transport", resolution=32)
 def steps_of(shapes=SHAPES, blends=None, settings=QUICK, labels=None, previews=True, **how):
     blends = path_blends(len(shapes), 3) if blends is None else blends
     computation = Computation(previews=previews, **how)
-    return list(morph(shapes, NAMES[: len(shapes)], blends, settings, labels=labels, computation=computation))
+    inputs = MorphInputs.of(shapes, NAMES[: len(shapes)], labels)
+    return list(morph(inputs, blends, settings, computation=computation))
 
 
 def frames_of(steps):
@@ -124,7 +126,7 @@ def test_and_so_they_are_in_parts():
 def problem_of(shapes, settings, labels=None):
     names = NAMES[: len(shapes)]
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
-    steps = prepared_problem(shapes, names, matching, settings, 1)
+    steps = prepared_problem(MorphInputs(shapes, names, matching), settings, 1)
     while True:
         try:
             next(steps)
@@ -213,7 +215,8 @@ def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
     for workers in (1, 2):
         seen.clear()
         blends, previews = path_blends(2, 5), 0
-        for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, computation=Computation(workers, previews=True)):
+        inputs = MorphInputs.of(SHAPES[:2], NAMES[:2])
+        for step in morph(inputs, blends, QUICK, computation=Computation(workers, previews=True)):
             previews += isinstance(step.payload, MorphPreview)
             if previews == len(blends):
                 seen.set()
@@ -233,7 +236,8 @@ def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
 
     real = blend_solver.BlendSolver.sketch
     monkeypatch.setattr(blend_solver.BlendSolver, "sketch", patient)
-    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, computation=Computation(1, previews=True)):
+    inputs = MorphInputs.of(SHAPES[:2], NAMES[:2])
+    for step in morph(inputs, path_blends(2, 6), QUICK, computation=Computation(1, previews=True)):
         if isinstance(step.payload, MorphPreview) and step.payload.frame.mesh is not None:
             seen.release()
     assert waited == [True] * 5
@@ -294,7 +298,7 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
     gc.collect()
     gc.freeze()
     blends, most, made = path_blends(2, 11), 0, 0
-    for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, computation=Computation(1, previews=True)):
+    for step in morph(MorphInputs.of(SHAPES[:2], NAMES[:2]), blends, QUICK, computation=Computation(1, previews=True)):
         if isinstance(step.payload, MorphPreview):
             most = max(most, alive())
         made += isinstance(step.payload, MorphFrame)
@@ -330,7 +334,8 @@ def test_frames_of_the_cache_need_no_previews(tmp_path):
 
 def test_a_job_can_be_stopped_among_its_previews():
     control = Control()
-    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, control, computation=Computation(previews=True))
+    inputs = MorphInputs.of(SHAPES[:2], NAMES[:2])
+    steps = morph(inputs, path_blends(2, 60), QUICK, control, computation=Computation(previews=True))
     assert any(isinstance(step.payload, MorphPreview) for step in steps)
     control.cancel()
     with pytest.raises(Cancelled):
@@ -339,7 +344,8 @@ def test_a_job_can_be_stopped_among_its_previews():
 
 def test_a_coarse_preview_comes_first():
     blends, fine = path_blends(2, 11), MorphSettings(motion="transport", resolution=96)
-    steps = morph(SHAPES[:2], NAMES[:2], blends, fine, computation=Computation(previews=True, looked_at=7))
+    inputs = MorphInputs.of(SHAPES[:2], NAMES[:2])
+    steps = morph(inputs, blends, fine, computation=Computation(previews=True, looked_at=7))
     first = next(steps)
     steps.close()
     assert first.fraction == 0.0
@@ -352,13 +358,8 @@ def test_a_coarse_preview_comes_first():
 @pytest.mark.parametrize(("looked_at", "expected"), [(0, 1), (11, 10), (5, 5)])
 def test_the_first_preview_is_of_the_nearest_unknown_blend(looked_at, expected):
     blends = path_blends(2, 11)
-    steps = morph(
-        SHAPES[:2],
-        NAMES[:2],
-        blends,
-        MorphSettings(motion="transport", resolution=96),
-        computation=Computation(previews=True, looked_at=looked_at),
-    )
+    inputs, settings = MorphInputs.of(SHAPES[:2], NAMES[:2]), MorphSettings(motion="transport", resolution=96)
+    steps = morph(inputs, blends, settings, computation=Computation(previews=True, looked_at=looked_at))
     assert blends.index(next(steps).payload.frame.blend) == expected
     steps.close()
 
@@ -366,12 +367,7 @@ def test_the_first_preview_is_of_the_nearest_unknown_blend(looked_at, expected):
 def test_without_anything_to_preview_the_morph_just_begins():
     thin, beside = box((2.0, 0.01, 0.01)), box((2.0, 0.01, 0.01), center=(0, 1, 0))
     for shapes, resolution in ((SHAPES[:2], 64), ((thin, beside), 96)):
-        steps = morph(
-            shapes,
-            NAMES[:2],
-            path_blends(2, 3),
-            MorphSettings(motion="transport", resolution=resolution),
-            computation=Computation(previews=True),
-        )
+        inputs, settings = MorphInputs.of(shapes, NAMES[:2]), MorphSettings(motion="transport", resolution=resolution)
+        steps = morph(inputs, path_blends(2, 3), settings, computation=Computation(previews=True))
         assert next(steps).payload is None
         steps.close()

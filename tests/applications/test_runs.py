@@ -10,6 +10,7 @@ from convwass_addon.applications.morphs import resting_problem
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from tests.shapes import ball, box
 
@@ -17,7 +18,7 @@ QUICK = MorphSettings(motion="transport", resolution=24)
 
 
 def frames_of(shapes, **how):
-    steps = morph(shapes, ["a", "b"], path_blends(2, 10), QUICK, computation=Computation(**how))
+    steps = morph(MorphInputs.of(shapes, ["a", "b"]), path_blends(2, 10), QUICK, computation=Computation(**how))
     return [step.payload for step in steps if step.payload is not None]
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.geometry.centroid import centroid
@@ -41,7 +42,7 @@ def test_ten_of_a_hundred_frames_are_smooth(pair, start):
     shapes = PAIRS[pair]
     lattice = Lattice.around(shapes, SETTINGS.resolution, SETTINGS.sigma)
     blends = path_blends(2, FRAMES)[start : start + 10]
-    frames = [step.payload for step in morph(shapes, ("a", "b"), blends, SETTINGS) if step.payload]
+    frames = [step.payload for step in morph(MorphInputs.of(shapes, ("a", "b")), blends, SETTINGS) if step.payload]
     cells = [(frame.mesh.corners - lattice.origin) / lattice.spacing for frame in frames]
     filled = [occupancy(corners, lattice.shape) for corners in cells]
     areas = [frame.mesh.area / lattice.spacing**2 for frame in frames]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.one_mesh import swapped_meshes as module
 from convwass_addon.applications.one_mesh.followed_surfaces import turned_around
@@ -26,7 +27,7 @@ SETTINGS = MorphSettings(resolution=18, motion="transport")
 
 def found(shapes):
     names = [f"Shape {number}" for number in range(len(shapes))]
-    return drained(swapped_meshes(shapes, names, 0.005, SETTINGS, (), UNINTERRUPTED, Computation()))
+    return drained(swapped_meshes(MorphInputs.of(shapes, names), 0.005, SETTINGS, UNINTERRUPTED, Computation()))
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -98,7 +99,8 @@ def test_swapping_reports_its_progress_and_can_be_cancelled(ring_to_ball, monkey
     monkeypatch.setattr(module, "_moments", known(moments))
 
     def work(control):
-        return swapped_meshes([ring, other], ["Ring", "Ball"], 0.005, SETTINGS, (), control, Computation())
+        inputs = MorphInputs.of([ring, other], ["Ring", "Ball"])
+        return swapped_meshes(inputs, 0.005, SETTINGS, control, Computation())
 
     last = [report.fraction for report in work(UNINTERRUPTED) if report.fraction >= module._FOLLOWED]
     assert len(set(last)) > 10 and max(last) > module._SWAPPED

@@ -13,6 +13,7 @@ from convwass_addon.applications.live.field_sources import MovingSource
 from convwass_addon.applications.live.level_fields import mixed
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -109,7 +110,7 @@ class Turning:
 
 def problem_with(detail):
     settings = MorphSettings(resolution=40, detail=detail, carry=False, on_floor=False)
-    still = drained(prepared_problem(SHAPES, ("first", "second"), unparted(2), settings, 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, ("first", "second")), settings, 1))
     return MovingProblem.of(still, Turning(), path_blends(2, 4), ("first", "second"), unparted(2), Control())
 
 

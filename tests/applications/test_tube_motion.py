@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
@@ -170,7 +171,7 @@ def test_the_choice_says_why():
 
 def test_a_morph_of_tubes():
     shapes = [tube(helix(1.0, 0.0, 0.75), 0.3), tube(straight(1.5 * np.pi), 0.3)]
-    steps = list(morph(shapes, ["hook", "rod"], path_blends(2, 2), MorphSettings(resolution=40)))
+    steps = list(morph(MorphInputs.of(shapes, ["hook", "rod"]), path_blends(2, 2), MorphSettings(resolution=40)))
     (frame,) = [step.payload for step in steps if step.payload is not None and step.payload.blend.source is None]
     assert frame.record["motion"] == {"kind": "guided", "reason": "TUBES"}
     assert frame.mesh.volume == pytest.approx(shapes[1].volume, rel=0.03)

@@ -534,7 +534,7 @@ def test_all_hidden_shapes_are_shown_once_to_be_read(bare_scene, add, monkeypatc
         visibility, "shown_objects", lambda objects, scene: shown.append(objects) or show(objects, scene)
     )
     found = read_all(shapes, "OBJECTS", parts)
-    assert [mesh.bounds.mean(axis=0)[0] for mesh in found.meshes] == pytest.approx([0.0, 4.0, 8.0])
+    assert [mesh.bounds.mean(axis=0)[0] for mesh in found.inputs.shapes] == pytest.approx([0.0, 4.0, 8.0])
     assert shown == [shapes]
     assert all(obj.hide_viewport for obj in shapes)
 
@@ -564,7 +564,7 @@ def test_shapes_are_the_same_beside_a_hidden_one(add, make):
     plain = add("Plain", (20, 0, 0))
     plain.hide_viewport = hidden.hide_viewport = True
     apart = [read(obj).volume for obj in (plain, hidden, shape)]
-    assert [mesh.volume for mesh in read_all([plain, hidden, shape], "OBJECTS").meshes] == pytest.approx(apart)
+    assert [mesh.volume for mesh in read_all([plain, hidden, shape], "OBJECTS").inputs.shapes] == pytest.approx(apart)
 
 
 def test_all_parts_are_read_before_anything_is_built(bare_scene, add, monkeypatch, inventory):

@@ -11,6 +11,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.bake import MorphBake
@@ -22,7 +23,8 @@ SHAPES, BLENDS = (ball(points=200), torus(1.0, 0.4)), path_blends(2, 2)
 
 @pytest.fixture(scope="module")
 def frames():
-    work = morph(SHAPES, ("A", "B"), BLENDS, MorphSettings(20, motion="transport"), computation=Computation(1))
+    inputs = MorphInputs.of(SHAPES, ("A", "B"))
+    work = morph(inputs, BLENDS, MorphSettings(20, motion="transport"), computation=Computation(1))
     return list(payloads(work, MorphFrame))
 
 

@@ -37,10 +37,11 @@ def shapes():
 def known(time):
     """Meshes that are lifted by 1 until they are swapped."""
 
-    def found(shapes, names, error, settings, guides, control, how):
+    def found(inputs, error, settings, control, how):
+        names = inputs.names
         assert (names, error, settings.carry) == (["Cup", "Ball"], pytest.approx(0.005), True)
         yield Progress(0.5, Sentence("Half"))
-        lifted = [(shape.vertices + np.array([0.0, 0.0, 1.0]))[None] for shape in shapes]
+        lifted = [(shape.vertices + np.array([0.0, 0.0, 1.0]))[None] for shape in inputs.shapes]
         first = KeyPath(names[1], (time,), lifted[0], None, 0.0, 0.0, 0.001, 0) if time > 0.0 else None
         last = KeyPath(names[0], (1.0 - time,), lifted[1], None, 0.0, 0.0, 0.001, 0) if time < 1.0 else None
         return SwappedMeshes(first, last, time, 0.001)

@@ -18,6 +18,7 @@ from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
@@ -54,7 +55,8 @@ def outcome(run: Callable[[], object]) -> str:
 
 def morph_of(mesh: TriangleMesh, control: Control = UNINTERRUPTED, settings: MorphSettings = _SOLID) -> None:
     """Morph a mesh into a ball."""
-    work = morph([mesh, _BALL], ["broken", "ball"], path_blends(2, 3), settings, control, computation=Computation(1))
+    inputs = MorphInputs.of([mesh, _BALL], ["broken", "ball"])
+    work = morph(inputs, path_blends(2, 3), settings, control, computation=Computation(1))
     for frame in payloads(work, MorphFrame):
         if frame.mesh is not None:
             _sound(frame.mesh)

@@ -42,11 +42,11 @@ def known_paths(monkeypatch):
             for name, shape in zip(names[1:], shapes[1:], strict=True)
         ]
 
-    def swapped(shapes, names, error, settings, guides, control, how):
+    def swapped(inputs, error, settings, control, how):
         yield Progress(0.5, Sentence("Half"))
         paths = [
             KeyPath(name, (1.0,), shape.vertices[None] + np.array([0.0, 0.0, 1.0]), None, 0.0, 0.0, 0.001, 0)
-            for name, shape in zip(names[::-1], shapes, strict=True)
+            for name, shape in zip(inputs.names[::-1], inputs.shapes, strict=True)
         ]
         return SwappedMeshes(paths[0], paths[1] if swap.at < 1.0 else None, swap.at, 0.001)
 

@@ -768,10 +768,9 @@ def heard_guides(monkeypatch):
     """Return a list that gets the guides of every bake as the solver is given them; the solver transports."""
     heard = []
 
-    def transporting(*arguments, guides, **options):
-        heard.append(list(guides))
-        *before, settings, control = arguments
-        return morph_of_meshes(*before, replace(settings, motion="transport"), control, guides=guides, **options)
+    def transporting(inputs, blends, settings, control, **options):
+        heard.append(list(inputs.guides))
+        return morph_of_meshes(inputs, blends, replace(settings, motion="transport"), control, **options)
 
     monkeypatch.setattr(job, "morph", transporting)
     return heard

@@ -46,7 +46,7 @@ class FieldMemory:
         if known.filled:
             return known.bytes / known.filled
         blends = [self.layout.weights(node, LEVELS[0]) for node in self.layout.nodes(LEVELS[0])]
-        values = estimated_field_bytes(self.shapes.meshes, self.lattice, blends)
+        values = estimated_field_bytes(self.shapes.inputs.shapes, self.lattice, blends)
         return values * (1.0 + _COLOR_SHARE * bool(self.shapes.appearances))
 
     def most(self, known: LayeredFields) -> int:

@@ -60,14 +60,14 @@ class FullSolver:
     @classmethod
     def at_rest(cls, shapes: LiveShapes, problem: MorphProblem) -> FullSolver:
         """Add what finished blends of shapes that do not move need: their connectivity and detail."""
-        whole = with_connectivity(replace(problem, meshes=shapes.meshes), 1)
-        return cls(shapes, RestingProblem(whole.with_detail_of(shapes.meshes)))
+        whole = with_connectivity(replace(problem, meshes=tuple(shapes.inputs.shapes)), 1)
+        return cls(shapes, RestingProblem(whole.with_detail_of(shapes.inputs.shapes)))
 
     def solve(self, blend: Blend, control: Control) -> FullBlend:
         """Solve a blend; errors as for a bake."""
         (frame,) = self._problem.frames([blend], control)
         appearances = self._shapes.appearances
-        mesh = self._shapes.meshes[blend.source] if frame.mesh is None else frame.mesh
+        mesh = self._shapes.inputs.shapes[blend.source] if frame.mesh is None else frame.mesh
         if not appearances:
             return FullBlend(blend.weights, mesh, None)
         if frame.mesh is None:

@@ -91,13 +91,14 @@ class LiveBlends:
         clock: Callable[[], float] = time.monotonic,
         motions: MotionMemory | None = None,
     ) -> None:
-        self.layout = layout_of(len(shapes.meshes))
+        meshes = shapes.inputs.shapes
+        self.layout = layout_of(len(meshes))
         self.notices: list[Sentence] = []
         self._shapes, self._clock = shapes, clock
         self._motions = motions or MotionMemory()
         self._settings = replace(settings, resolution=live.live_resolution, carry=bool(shapes.appearances))
-        self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
-        self._box = box_of_shapes(shapes.meshes, self._lattice)
+        self._lattice = Lattice.around(meshes, self._settings.resolution, self._settings.sigma)
+        self._box = box_of_shapes(meshes, self._lattice)
         self._memory = FieldMemory(shapes, self._lattice, self.layout, live.live_memory)
         self._fields = LayeredFields()
         self._problem: MorphProblem | None = None
@@ -106,7 +107,7 @@ class LiveBlends:
         self._colors: tuple[ShapeColors, ...] = ()
         self._nodes: FieldSource | None = None
         self._at_hand: FieldSource | None = None
-        self._hand = tuple(np.full(len(shapes.meshes), 1.0 / len(shapes.meshes)).tolist())
+        self._hand = tuple(np.full(len(meshes), 1.0 / len(meshes)).tolist())
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
         self._rests = self._solved_hand_last = False
         self._rest_control: Control | None = None
@@ -259,10 +260,8 @@ class LiveBlends:
         return FillingLattice(self.layout, levels, self._memory.most(self._fields), FADE, far)
 
     def _voxelized(self, settings: MorphSettings, control: Control) -> Work[MorphProblem]:
-        shapes = self._shapes
-        work = sketchable_problem(
-            shapes.meshes, shapes.names, shapes.matching, settings, 1, len(shapes.meshes), control
-        )
+        inputs = self._shapes.inputs
+        work = sketchable_problem(inputs, settings, 1, len(inputs.shapes), control)
         return (yield from within(work, 0.0, 0.0))
 
     def _fitting(self) -> tuple[int, ...]:
@@ -338,14 +337,14 @@ class LiveBlends:
             self._fields.newest.extend(self._fitting(), self._clock())
             return
         still = with_connectivity(replace(self._problem, motion=choice.record()), 1)
-        names, matching = self._shapes.names, self._shapes.matching
+        names, matching = self._shapes.inputs.names, self._shapes.inputs.matching
         self._begin_motion(MovingProblem.of(still, choice.motion, blends, names, matching, control))
 
     def _choosing(self, blends: Sequence[Blend], control: Control) -> Work[MotionChoice]:
-        shapes, settings = self._shapes, self._settings
-        outward = [orient_outward(mesh) for mesh in shapes.meshes]
+        inputs, settings = self._shapes.inputs, self._settings
+        outward = [orient_outward(mesh) for mesh in inputs.shapes]
         pairs = pairs_of(blends)
-        request = MotionRequest(outward, shapes.names, pairs, settings.motion, settings.coherence, shapes.guides)
+        request = MotionRequest(outward, inputs.names, pairs, settings.motion, settings.coherence, inputs.guides)
         return (yield from within(self._motions.chosen(request, control), _PLAIN_SHARE, _MOTION_SHARE))
 
     def _begin_motion(self, moving: MovingProblem) -> None:

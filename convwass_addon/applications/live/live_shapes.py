@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ..morphs.appearance import Appearance
-from ..morphs.part_labels import Matching
-from ..motions.guides import Guide
+from ..morphs.morph_inputs import MorphInputs
 
 
 @dataclass(frozen=True)
@@ -21,22 +20,13 @@ class LiveShapes:
 
     Attributes
     ----------
-    meshes : tuple of TriangleMesh
-        Two to four shapes in a common space.
-    names : tuple of str
-        Names of the shapes, for messages.
-    matching : Matching
-        The parts that travel together.
-    guides : tuple of mappings from int to int
-        Corresponding points; see :func:`.morph.morph`.
+    inputs : MorphInputs
+        Two to four shapes without an animation.
     appearances : tuple of Appearance
         Colors, one per shape, in the space of the meshes; empty if blends carry no colors.
     """
 
-    meshes: tuple[TriangleMesh, ...]
-    names: tuple[str, ...]
-    matching: Matching
-    guides: tuple[Guide, ...] = ()
+    inputs: MorphInputs
     appearances: tuple[Appearance, ...] = ()
 
 

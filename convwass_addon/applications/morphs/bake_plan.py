@@ -10,19 +10,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.welding import ClosedSeams
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
-from ..motions.guides import Guide, check_guides
+from ..motions.guides import check_guides
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from ..workers import thread_count
-from .animation import Animation
 from .blend_problem import BlendProblem
 from .blend_store import BlendStore
 from .computation import Computation
@@ -30,10 +28,10 @@ from .first_preview import first_preview
 from .following_problem import FollowingProblem
 from .kept_blends import KeptBlends
 from .layouts import Blend
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
 from .moving_problem import MovingProblem
-from .part_labels import Matching
 from .preparing import VOXEL_SHARE, sketchable_problem, with_connectivity
 from .resting_problem import RestingProblem
 from .runs import (
@@ -97,36 +95,30 @@ class BakePlan:
 
     Attributes
     ----------
-    matching : Matching
-        The parts of the shapes that travel together.
     runs : dict
         The runs that have to be computed.
     keeps_potentials : bool
         Whether frames keep potentials, from which blends next to them can be solved.
     """
 
-    shapes: Sequence[TriangleMesh]
-    names: Sequence[str]
+    inputs: MorphInputs
     blends: Sequence[Blend]
     pairs: Sequence[tuple[int, int]]
     settings: MorphSettings
-    matching: Matching
-    guides: Sequence[Guide]
     runs: dict[int, Run]
     keeps_potentials: bool
     computation: Computation
-    animation: Animation | None = None
 
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Start all runs; closing the stack stops what computes them."""
-        if self._shows and self.animation is None:
+        if self._shows and self.inputs.animation is None:
             yield from self._first_preview(control)
         problem, fraction = (yield from self.prepared(control)), self._chosen_at
         # The runs of inputs at rest go on from their sketches, but previews of moving inputs are of no use to runs.
         if isinstance(problem, RestingProblem):
             if self._shows and problem.still.transport.sketch_depth:
                 return (yield from self._sketched(problem, stack, control))
-            threads = min(self._fitting(problem.lattice), len(self.shapes))
+            threads = min(self._fitting(problem.lattice), len(self.inputs.shapes))
             problem = replace(problem, still=with_connectivity(problem.still, threads, control))
         elif self._shows:
             yield from self._moved_previews(problem, control)
@@ -140,33 +132,32 @@ class BakePlan:
     def prepared(self, control: Control) -> Work[RestingProblem | MovingProblem]:
         """Return the problem shared by all blends; without the connectivity of the shapes if they do not move."""
         side_by_side = min(self.computation.workers or 1, len(self.runs))
-        problem = yield from sketchable_problem(
-            self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
-        )
-        if self.animation is not None and not self.animation.keeps_topology:
+        problem = yield from sketchable_problem(self.inputs, self.settings, side_by_side, self._threads, control)
+        if self.inputs.animation is not None and not self.inputs.animation.keeps_topology:
             return self._following(problem, MotionChoice("transport", "TOPOLOGY"), control)
         choice = yield from self._motion(control)
-        if self.animation is not None:
+        if self.inputs.animation is not None:
             return self._following(problem, choice, control)
         problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
         if choice.motion is None:
-            return self._resting(problem.with_detail_of(self.shapes))
-        still = with_connectivity(problem, min(self._fitting(problem.lattice), len(self.shapes)), control)
-        blends, names, matching = self.blends, self.names, self.matching
+            return self._resting(problem.with_detail_of(self.inputs.shapes))
+        still = with_connectivity(problem, min(self._fitting(problem.lattice), len(self.inputs.shapes)), control)
+        blends, names, matching = self.blends, self.inputs.names, self.inputs.matching
         return self._fitted(MovingProblem.of(still, choice.motion, blends, names, matching, control, self.pairs))
 
     def _following(self, problem: MorphProblem, choice: MotionChoice, control: Control) -> FollowingProblem:
         """Return the problem shared by all blends of animated inputs."""
-        outward = [orient_outward(shape) for shape in self.shapes]
-        animation, motion = self.animation, None
+        outward = [orient_outward(shape) for shape in self.inputs.shapes]
+        animation, motion = self.inputs.animation, None
         if animation.keeps_topology:
             animation = animation.facing([shape.faces for shape in outward])
         if choice.motion is not None:
             coherence = self.settings.coherence
-            motion = PosedMotion.of(choice.motion, outward, self.names, self.pairs, coherence, control)
+            motion = PosedMotion.of(choice.motion, outward, self.inputs.names, self.pairs, coherence, control)
         recorded = replace(problem, motion=choice.record())
-        still = with_connectivity(recorded, min(self._threads, len(self.shapes)), control)
-        return self._fitted(FollowingProblem.around(still, motion, animation, outward, self.names, self.matching))
+        still = with_connectivity(recorded, min(self._threads, len(self.inputs.shapes)), control)
+        names, matching = self.inputs.names, self.inputs.matching
+        return self._fitted(FollowingProblem.around(still, motion, animation, outward, names, matching))
 
     def again(
         self, problem: BlendProblem, runs: dict[int, Run], asked: Asked, control: Control
@@ -193,7 +184,7 @@ class BakePlan:
     def _fitting(self, lattice: Lattice) -> int:
         """Return how many threads can solve at the same time."""
         workers = self.computation.workers
-        return workers or fitting_workers(lattice, self.shapes, self.matching.count, self._threads)
+        return workers or fitting_workers(lattice, self.inputs.shapes, self.inputs.matching.count, self._threads)
 
     def _resting(self, problem: MorphProblem) -> RestingProblem:
         """Let inputs at rest keep blends that are solved here, in half of the memory that the bake leaves free."""
@@ -205,32 +196,32 @@ class BakePlan:
 
     def _fitted(self, moving: MovingProblem) -> MovingProblem:
         """Check the memory that moving inputs need, and let them keep blends in a quarter of what is left."""
-        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
+        check_memory(moving.lattice.memory(self.inputs.shapes, 1, self.inputs.matching.count), self.settings.resolution)
         return replace(moving, kept=BlendStore(self._room(moving.lattice, 4, _MOST_KEPT_MOVED)))
 
     def _room(self, lattice: Lattice, parts: int, most: int) -> int:
         """Return one of so many parts of the memory that the bake leaves free, in bytes; at most `most`."""
-        needed = lattice.memory(self.shapes, self._fitting(lattice), self.matching.count)
+        needed = lattice.memory(self.inputs.shapes, self._fitting(lattice), self.inputs.matching.count)
         return fitting_beside(needed, parts, most)
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
         kind, coherence = self.settings.motion, self.settings.coherence
-        moving, guides = self.shapes, self.guides
+        moving, guides = self.inputs.shapes, self.inputs.guides
         # With "transport" the shapes are oriented when they are voxelized.
         if kind != "transport":
-            check_guides(guides, moving, self.names)
+            check_guides(guides, moving, self.inputs.names)
             closed = [ClosedSeams.of(shape) for shape in moving]
             guides = [{shape: int(closed[shape].merged[vertex]) for shape, vertex in guide.items()} for guide in guides]
             moving = [orient_outward(own.mesh) for own in closed]
-        request = MotionRequest(moving, self.names, self.pairs, kind, coherence, guides)
+        request = MotionRequest(moving, self.inputs.names, self.pairs, kind, coherence, guides)
         memory = self.computation.motions or MotionMemory()
         return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
     def _sketched(self, problem: RestingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Start runs with their coarse levels, and show these."""
         most = self._fitting(problem.lattice)
-        needed = problem.lattice.memory(self.shapes, most, self.matching.count)
+        needed = problem.lattice.memory(self.inputs.shapes, most, self.inputs.matching.count)
         chosen = self._previewed(problem.still.transport.sketch_bytes, needed)
         sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most))
         yield from self._previews(sketched, control)
@@ -241,7 +232,7 @@ class BakePlan:
         blend = self._seen_blend()
         seen = None
         if blend is not None:
-            seen = first_preview(self.shapes, self.names, blend, self.settings, self.matching, control)
+            seen = first_preview(self.inputs, blend, self.settings, control)
         if seen is not None:
             yield Progress(0.0, Sentence("First preview"), MorphPreview(seen))
 

@@ -17,11 +17,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_between, barycenter_from_neighbor
-from ..motions.guides import Guide
 from ..workers import frame_workers, thread_count
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
@@ -29,10 +27,10 @@ from .computation import Computation
 from .frame_cache import BakeCache
 from .layouts import Blend, pairs_of
 from .morph import morph
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels, matching_of
-from .plated_shapes import PlatedShapes
+from .plated_shapes import with_plates
 from .preparing import VOXEL_SHARE, prepared_problem
 from .resting_problem import RestingProblem
 from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
@@ -101,16 +99,12 @@ def _place(path: Sequence[Blend], number: float, column: int) -> Place:
 
 
 def between_frames(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
+    inputs: MorphInputs,
     path: Sequence[Blend],
     numbers: Sequence[float],
     settings: MorphSettings,
     computation: Computation,
     control: Control = UNINTERRUPTED,
-    *,
-    labels: Sequence[FaceLabels] | None = None,
-    guides: Sequence[Guide] = (),
 ) -> Work[None]:
     """Compute the blends at some positions of a path from the frames around them.
 
@@ -119,8 +113,8 @@ def between_frames(
 
     Parameters
     ----------
-    shapes, names, settings, control, labels, guides
-        As for :func:`.morph.morph`.
+    inputs, settings, control
+        As for :func:`.morph.morph`; the inputs must not be animated.
     path, numbers
         As for :func:`places_at`; the blends at these positions are computed.
     computation : Computation
@@ -141,10 +135,9 @@ def between_frames(
     if settings.motion != "transport":
         blends = [place.blend for place in places]
         pairs = pairs_of(path)
-        given = {"labels": labels, "guides": guides, "computation": computation, "pairs": pairs}
-        return (yield from morph(shapes, names, blends, settings, control, **given))
-    plated = PlatedShapes.of(shapes, settings, matching_of(labels, names))
-    store = computation.cache.of(shapes, names, labels, settings)
+        return (yield from morph(inputs, blends, settings, control, computation=computation, pairs=pairs))
+    plated = with_plates(inputs, settings)
+    store = computation.cache.of(inputs, settings)
     runs = _runs_about(places, path)
     missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
     if not missing and all(len(place.about) == 1 for place in places):
@@ -154,9 +147,7 @@ def between_frames(
     workers = computation.workers
     threads = thread_count(workers)
     side_by_side = min(workers or 1, max(len(missing), len(places)))
-    problem = yield from prepared_problem(
-        plated.shapes, names, plated.matching, settings, side_by_side, threads, control
-    )
+    problem = yield from prepared_problem(plated, settings, side_by_side, threads, control)
     problem = problem.with_detail_of(plated.shapes)
     most = workers or fitting_workers(problem.lattice, plated.shapes, plated.matching.count, threads)
     yield from _complete(store, problem, missing, control, most, computation.executor)

@@ -4,17 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 from ...errors import InputError, ResourceError
-from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from .blending import sketch_blends
 from .layouts import Blend
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .volumes import Lattice
 
@@ -23,23 +21,16 @@ _RESOLUTION, _FINER = 64, 1.25
 
 
 def first_preview(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    blend: Blend,
-    settings: MorphSettings,
-    matching: Matching,
-    control: Control = UNINTERRUPTED,
+    inputs: MorphInputs, blend: Blend, settings: MorphSettings, control: Control = UNINTERRUPTED
 ) -> MorphFrame | None:
     """Solve a blend at a coarse resolution, which takes about a fifth of a second.
 
     Parameters
     ----------
-    shapes, names, settings, control
+    inputs, settings, control
         As for :func:`.morph.morph`.
     blend : Blend
         The blend to preview.
-    matching : Matching
-        The parts of the shapes that travel together.
 
     Returns
     -------
@@ -49,11 +40,12 @@ def first_preview(
     """
     if settings.resolution < _FINER * _RESOLUTION or blend.source is not None:
         return None
+    shapes, matching = inputs.shapes, inputs.matching
     coarse = replace(settings, resolution=_RESOLUTION, blur=None)
     lattice = Lattice.around(shapes, coarse.resolution, coarse.sigma, 1, matching.count)
     try:
         volumes = []
-        for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
+        for index, (shape, name) in enumerate(zip(shapes, inputs.names, strict=True)):
             volumes.append(voxelized_parts(shape, name, index, lattice, coarse.thickness, matching, control))
             control.check()
         problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, coarse)

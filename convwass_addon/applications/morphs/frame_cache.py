@@ -15,18 +15,15 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import ConvwassError, InputError
-from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
-from ..motions.guides import Guide
 from ..whole_paths import whole_path
-from .animation import Animation
 from .code_digest import code_digest
 from .demands import Demand
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from .layouts import Blend
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels
 
 # The fields of a frame that a file stores.
 _KEPT = tuple(one.name for one in fields(StoredFrame))
@@ -74,20 +71,11 @@ class FrameCache:
                 "The cache folder {folder} cannot be read and written; choose another one.", folder=str(self.folder)
             )
 
-    def of(
-        self,
-        shapes: Sequence[TriangleMesh],
-        names: Sequence[str],
-        labels: Sequence[FaceLabels] | None,
-        settings: MorphSettings,
-        guides: Sequence[Guide] = (),
-        pairs: Sequence[tuple[int, int]] = (),
-        animation: Animation | None = None,
-    ) -> BakeCache:
+    def of(self, inputs: MorphInputs, settings: MorphSettings, pairs: Sequence[tuple[int, int]] = ()) -> BakeCache:
         """Return the part of the cache that belongs to one bake; parameters as for :func:`.morph.morph`."""
-        digest = _bake_digest(shapes, names, labels, settings, guides, pairs, animation)
+        digest = _bake_digest(inputs, settings, pairs)
         # Blends of animated inputs have none, because every blend is one of other shapes.
-        return BakeCache(self, digest, keeps_potentials=self.keeps_potentials and animation is None)
+        return BakeCache(self, digest, keeps_potentials=self.keeps_potentials and inputs.animation is None)
 
     def missed(self, error: OSError) -> None:
         """Handle a frame that could not be written.
@@ -276,32 +264,25 @@ def _is_moved(record: Mapping[str, object]) -> bool:
     return isinstance(motion, Mapping) and motion.get("kind") in ("guided", "combined", "warp")
 
 
-def _bake_digest(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    labels: Sequence[FaceLabels] | None,
-    settings: MorphSettings,
-    guides: Sequence[Guide],
-    pairs: Sequence[tuple[int, int]],
-    animation: Animation | None,
-) -> bytes:
+def _bake_digest(inputs: MorphInputs, settings: MorphSettings, pairs: Sequence[tuple[int, int]]) -> bytes:
     """SHA-256 of everything that determines the frames of a bake: code, settings, shapes and their parts."""
     hashed = hashlib.sha256(code_digest())
-    description = {"settings": settings.as_dict(), "shapes": len(shapes)}
+    description = {"settings": settings.as_dict(), "shapes": len(inputs.shapes)}
     if settings.motion != "transport":
         # One motion suits all pairs.
-        description["guides"] = [sorted(guide.items()) for guide in guides]
+        description["guides"] = [sorted(guide.items()) for guide in inputs.guides]
         description["pairs"] = [list(pair) for pair in pairs]
-    followed = []
+    followed, animation, matching = [], inputs.animation, inputs.matching
     if animation is not None:
         description["times"] = [*(list(shape.times) for shape in animation.shapes), list(animation.stations)]
         followed = animation.meshes
-    arrays = [mesh.vertices.astype("<f8") for mesh in (*shapes, *followed)]
-    arrays += [mesh.faces.astype("<i8") for mesh in (*shapes, *followed)]
-    if labels is not None:
+    arrays = [mesh.vertices.astype("<f8") for mesh in (*inputs.shapes, *followed)]
+    arrays += [mesh.faces.astype("<i8") for mesh in (*inputs.shapes, *followed)]
+    if matching.names:
         # Names of shapes occur only in messages about parts.
-        description |= {"names": list(names), "parts": [label.names for label in labels]}
-        arrays += [label.faces.astype("<i8") for label in labels]
+        notices = [vars(notice) for notice in matching.notices]
+        description |= {"names": list(inputs.names), "parts": list(matching.names), "notices": notices}
+        arrays += [faces.astype("<i8") for faces in matching.faces]
     description["sizes"] = [array.shape for array in arrays]
     hashed.update(json.dumps(description, sort_keys=True).encode())
     for array in arrays:

@@ -14,17 +14,15 @@ from contextlib import ExitStack
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ..motions.guides import Guide
 from ..usable_meshes import require_surface
-from .animation import Animation
 from .bake_plan import BakePlan
 from .computation import USUAL_COMPUTATION, Computation
 from .frame_cache import BakeCache
 from .layouts import Blend, pairs_of
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
-from .part_labels import FaceLabels, matching_of
-from .plated_shapes import PlatedShapes
+from .plated_shapes import with_plates
 from .remaking import BakeReview, Remaking
 from .runs import Run, SolvedRun, as_solved, runs_of
 
@@ -33,42 +31,28 @@ _REVIEWED_FROM = 0.95
 
 
 def morph(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
+    inputs: MorphInputs,
     blends: Sequence[Blend],
     settings: MorphSettings,
     control: Control = UNINTERRUPTED,
     *,
-    labels: Sequence[FaceLabels] | None = None,
-    guides: Sequence[Guide] = (),
     computation: Computation = USUAL_COMPUTATION,
-    animation: Animation | None = None,
     pairs: Sequence[tuple[int, int]] | None = None,
 ) -> Work[None]:
     """Compute the blends of shapes.
 
     Parameters
     ----------
-    shapes : sequence of TriangleMesh
-        The inputs in a common space; they may be open, self-intersecting, disconnected or inside-out.
-    names : sequence of str
-        Names of the shapes, for messages.
+    inputs : MorphInputs
+        The shapes, and what is known of how they correspond.
     blends : sequence of Blend
         In an order in which neighbors are similar: each solve starts from the previous blend.
     settings : MorphSettings
         How the morph is made.
     control : Control
         Cancels the job; checked between iterations, in every computing thread.
-    labels : sequence of FaceLabels, optional
-        Parts of the shapes; parts of the same name travel together.
-    guides : sequence of mappings from int to int, optional
-        Points that correspond: each maps indices of shapes to one of their vertices. They guide the motion.
     computation : Computation
         Which blends are computed, and where; by default all, by the threads of this machine.
-    animation : Animation, optional
-        The inputs of a path at all of its frames, with the vertices in the order of `shapes`: every blend uses them as
-        they are at its frame. Motions are determined for `shapes`. If the triangles of an input change from frame to
-        frame, there is no motion.
     pairs : sequence of (int, int), optional
         Pairs of inputs that the motion has to suit, smaller index first; by default those that occur together in
         `blends`.
@@ -85,30 +69,26 @@ def morph(
     InputError, ResourceError
         Before the first frame, if the inputs or the settings are invalid.
     """
-    for shape, name in zip(shapes, names, strict=True):
+    for shape, name in zip(inputs.shapes, inputs.names, strict=True):
         require_surface(shape, name)
-    plated = PlatedShapes.of(shapes, settings, matching_of(labels, names), animation)
+    plated = with_plates(inputs, settings)
     runs = runs_of(blends, computation.wanted)
     pairs = pairs_of(blends) if pairs is None else pairs
     cache = computation.cache
-    store = None if cache is None else cache.of(shapes, names, labels, settings, guides, pairs, animation)
+    store = None if cache is None else cache.of(inputs, settings, pairs)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     plan = BakePlan(
-        shapes=plated.shapes,
-        names=names,
+        inputs=plated,
         blends=blends,
         pairs=pairs,
         settings=settings,
-        matching=plated.matching,
-        guides=guides,
         runs=missing,
         keeps_potentials=store is not None and store.keeps_potentials,
         computation=computation,
-        animation=plated.animation,
     )
     # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
     reviewed = blends if computation.wanted is None else ()
-    review = BakeReview(reviewed, _unblended(reviewed, plated.shapes, plated.animation))
+    review = BakeReview(reviewed, _unblended(reviewed, plated))
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
         fraction, problem = 0.0, None
@@ -126,13 +106,12 @@ def morph(
         yield from within(remaking.fitted(review), fraction + span, 1.0)
 
 
-def _unblended(
-    blends: Sequence[Blend], shapes: Sequence[TriangleMesh], animation: Animation | None
-) -> dict[Blend, TriangleMesh]:
+def _unblended(blends: Sequence[Blend], inputs: MorphInputs) -> dict[Blend, TriangleMesh]:
     """Return the meshes of blends that are a single input, as it is at their time."""
     alone = {blend: blend.source for blend in blends if blend.source is not None}
+    animation = inputs.animation
     if animation is None:
-        return {blend: shapes[index] for blend, index in alone.items()}
+        return {blend: inputs.shapes[index] for blend, index in alone.items()}
     return {blend: animation.shapes[index].at(animation.time_of(blend.weights)) for blend, index in alone.items()}
 
 

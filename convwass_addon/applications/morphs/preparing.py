@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..workers import frame_workers
+from .morph_inputs import MorphInputs
 from .morph_problem import MorphProblem
 from .morph_settings import MorphSettings
-from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .volumes import Lattice, fitting_workers
 
@@ -24,32 +21,21 @@ VOXEL_SHARE = 0.08
 
 
 def prepared_problem(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    matching: Matching,
-    settings: MorphSettings,
-    workers: int,
-    threads: int = 1,
-    control: Control = UNINTERRUPTED,
+    inputs: MorphInputs, settings: MorphSettings, workers: int, threads: int = 1, control: Control = UNINTERRUPTED
 ) -> Work[MorphProblem]:
     """Voxelize the shapes with progress, and return the problem shared by all runs.
 
     Memory is checked for `workers` solving threads; up to `threads` voxelize, as far as memory allows.
     """
-    problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
-    return with_connectivity(problem, min(threads, len(shapes)), control)
+    problem = yield from sketchable_problem(inputs, settings, workers, threads, control)
+    return with_connectivity(problem, min(threads, len(inputs.shapes)), control)
 
 
 def sketchable_problem(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    matching: Matching,
-    settings: MorphSettings,
-    workers: int,
-    threads: int = 1,
-    control: Control = UNINTERRUPTED,
+    inputs: MorphInputs, settings: MorphSettings, workers: int, threads: int = 1, control: Control = UNINTERRUPTED
 ) -> Work[MorphProblem]:
     """Like :func:`prepared_problem`, without what only finished blends need."""
+    shapes, names, matching = inputs.shapes, inputs.names, inputs.matching
     yield Progress(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
     control.check()

@@ -23,9 +23,9 @@ from ...sentence import Sentence
 from ..morphs.computation import Computation
 from ..morphs.layouts import path_blends
 from ..morphs.morph import morph
+from ..morphs.morph_inputs import MorphInputs
 from ..morphs.morph_problem import MorphFrame
 from ..morphs.morph_settings import MorphSettings
-from ..motions.guides import Guide
 from .followed_surfaces import Moment, followed, turned_around
 from .key_paths import KeyPath
 from .refined_samples import RefinedPath
@@ -78,28 +78,18 @@ class SwappedMeshes:
 
 
 def swapped_meshes(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    error: float,
-    settings: MorphSettings,
-    guides: Sequence[Guide],
-    control: Control,
-    computation: Computation,
+    inputs: MorphInputs, error: float, settings: MorphSettings, control: Control, computation: Computation
 ) -> Work[SwappedMeshes]:
     """Find the paths of the meshes of two shapes.
 
     Parameters
     ----------
-    shapes : sequence of TriangleMesh
+    inputs : MorphInputs
         The two meshes, in scene units.
-    names : sequence of str
-        Their names, for messages.
     error : float
         Largest distance of vertices from their path, as a fraction of the diagonal of the shape they move to.
     settings : MorphSettings
         How the morph is made.
-    guides : sequence of mappings from int to int
-        Corresponding points; see :func:`..morphs.morph.morph`.
     control : Control
         Stops the work.
     computation : Computation
@@ -110,10 +100,10 @@ def swapped_meshes(
     InputError
         Not two shapes, or at no time both meshes fit the morph.
     """
-    if len(shapes) != 2:
-        raise InputError("Two Meshes needs two shapes; there are {count}.", count=len(shapes))
-    meshes = [orient_outward(shape) for shape in shapes]
-    computed = _moments(meshes, names, settings, guides, control, computation)
+    if len(inputs.shapes) != 2:
+        raise InputError("Two Meshes needs two shapes; there are {count}.", count=len(inputs.shapes))
+    meshes, names = [orient_outward(shape) for shape in inputs.shapes], inputs.names
+    computed = _moments(replace(inputs, shapes=meshes), settings, control, computation)
     moments = yield from within(computed, 0.0, _MORPHED)
     ways = []
     for own, order, begin, end in ((0, moments, _MORPHED, _HALFWAY), (1, turned_around(moments), _HALFWAY, _FOLLOWED)):
@@ -150,29 +140,17 @@ def swapped_meshes(
 
 
 def _moments(
-    meshes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    settings: MorphSettings,
-    guides: Sequence[Guide],
-    control: Control,
-    computation: Computation,
+    inputs: MorphInputs, settings: MorphSettings, control: Control, computation: Computation
 ) -> Work[list[Moment]]:
     """Compute the surfaces of the morph, with both shapes at its ends."""
     frames: dict[int, MorphFrame] = {}
-    for report in morph(
-        meshes,
-        names,
-        path_blends(2, _STEPS),
-        settings,
-        control,
-        guides=guides,
-        computation=replace(computation, previews=False),
-    ):
+    unseen = replace(computation, previews=False)
+    for report in morph(inputs, path_blends(2, _STEPS), settings, control, computation=unseen):
         if isinstance(report.payload, MorphFrame):
             frames[report.payload.blend.frame] = report.payload
         yield Progress(report.fraction, report.message)
     inner = [_moment(frames[number]) for number in range(1, _STEPS)]
-    return [Moment(0.0, meshes[0]), *inner, Moment(1.0, meshes[1])]
+    return [Moment(0.0, inputs.shapes[0]), *inner, Moment(1.0, inputs.shapes[1])]
 
 
 def _moment(frame: MorphFrame) -> Moment:

@@ -18,8 +18,7 @@ from ...applications.live.live_shapes import LiveShape, LiveShapes
 from ...applications.live.pad_places import pad_weights
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.part_labels import matching_of
-from ...applications.morphs.plated_shapes import PlatedShapes
+from ...applications.morphs.plated_shapes import with_plates
 from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
@@ -95,7 +94,7 @@ class LiveSession:
         sources = self._sources_of(inputs)
         self._looks = self._looks_of(sources, self._read)
         self._blends = self._blends_of(self._read, self._looks)
-        self.scene = LiveScene(context.scene, context.view_layer, sources, self._read.meshes)
+        self.scene = LiveScene(context.scene, context.view_layer, sources, self._read.inputs.shapes)
         self.watch = InputWatch(sources)
         self.watch.register()
         self._job = BackgroundJob(self._blends.work)
@@ -121,19 +120,18 @@ class LiveSession:
     def _blends_of(self, read: ReadShapes, looks: tuple[Appearance, ...]) -> LiveBlends:
         request = self._request
         settings = replace(request.settings, resolution=request.live.live_resolution)
-        plated = PlatedShapes.of(read.meshes, settings, matching_of(read.labels, read.names))
-        shapes = LiveShapes(tuple(plated.shapes), tuple(read.names), plated.matching, tuple(read.guides), looks)
+        shapes = LiveShapes(with_plates(read.inputs, settings), looks)
         return LiveBlends(shapes, request.settings, request.live, motions=FOUND_MOTIONS)
 
     @property
     def count(self) -> int:
         """Number of shapes."""
-        return len(self._read.names)
+        return len(self._read.inputs.names)
 
     @property
     def names(self) -> list[str]:
         """Names of the inputs when they were read."""
-        return list(self._read.names)
+        return list(self._read.inputs.names)
 
     @property
     def objects(self) -> list[str]:
@@ -252,7 +250,7 @@ class LiveSession:
             read = read_shapes(self.watch.roots, depsgraph, request.settings, request.options)
             looks = self._looks_of(self._sources_of(self.watch.roots), read)
             self.watch.note()
-            if _are_same(read.meshes, self._read.meshes) and are_alike(looks, self._looks):
+            if _are_same(read.inputs.shapes, self._read.inputs.shapes) and are_alike(looks, self._looks):
                 return
             blends = self._blends_of(read, looks)
         except InputError as error:

@@ -70,12 +70,11 @@ class MorphJob:
         if not self._follows:
             self._animated = animation_notices([part for one in sources for part in one.parts])
         read = read_shapes(inputs, bpy.context.evaluated_depsgraph_get(), settings, options)
-        self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
         self._looked_at = _looked_at(blends, bpy.context.scene.frame_current_final - first_frame)
         followed = followed_inputs(sources, blends, read.moves, first_frame) if self._follows else None
-        self._animation = None if followed is None else followed.animation
+        self._inputs = read.inputs if followed is None else replace(read.inputs, animation=followed.animation)
         self._moves = read.moves
         self._bake = MorphBake.begin(inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
         if followed is not None:
@@ -88,15 +87,11 @@ class MorphJob:
     def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Return the computation, which does not access Blender's data. See :func:`.morph.morph`."""
         work = morph(
-            self._shapes,
-            self._names,
+            self._inputs,
             self._blends,
             self._settings,
             control,
-            labels=self._labels,
-            guides=self._guides,
             computation=replace(computation, looked_at=self._looked_at),
-            animation=self._animation,
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 
@@ -105,16 +100,7 @@ class MorphJob:
 
         See :func:`.between_frames.between_frames`; the inputs must not be followed.
         """
-        work = between_frames(
-            self._shapes,
-            self._names,
-            path,
-            numbers,
-            self._settings,
-            computation,
-            labels=self._labels,
-            guides=self._guides,
-        )
+        work = between_frames(self._inputs, path, numbers, self._settings, computation)
         return work if self._carrying is None else self._carrying.looked_up(work)
 
     @property

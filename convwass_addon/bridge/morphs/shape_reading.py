@@ -6,13 +6,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
+from ...applications.morphs.morph_inputs import MorphInputs
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.part_labels import FaceLabels, matched
+from ...applications.morphs.part_labels import FaceLabels, matching_of
 from ...errors import InputError
 from ...geometry.alignment import RigidMove, aligned_meshes
 from ...geometry.mesh import TriangleMesh
@@ -22,9 +22,6 @@ from ..objects import MESHED, labeled_mesh, triangle_mesh
 from ..shape_sources import OBJECTS, ShapeSource, is_plain, shape_sources
 from .morph_guides import guides_of_entries, guides_of_shapes
 
-if TYPE_CHECKING:
-    from ...applications.motions.guides import Guide
-
 
 @dataclass(frozen=True)
 class ReadShapes:
@@ -32,22 +29,13 @@ class ReadShapes:
 
     Attributes
     ----------
-    names : list of str
-        Names of the shapes.
-    meshes : list of TriangleMesh
-        World space, aligned as requested.
-    labels : list of FaceLabels or None
-        The parts of every mesh; None if parts are off.
-    guides : list of mappings from int to int
-        Corresponding points.
+    inputs : MorphInputs
+        In world space, aligned as requested.
     moves : tuple of RigidMove or None
         The transforms that align the meshes; None if there are none.
     """
 
-    names: list[str]
-    meshes: list[TriangleMesh]
-    labels: list[FaceLabels] | None
-    guides: list[Guide]
+    inputs: MorphInputs
     moves: tuple[RigidMove, ...] | None
 
 
@@ -81,16 +69,15 @@ def read_shapes(
     names = [source.name for source in sources]
     with current_shapes(sources, depsgraph):
         meshes, labels = _read_meshes(sources, depsgraph, settings.parts)
-        if labels is not None:
-            # Checked before anything is created.
-            matched(labels, names)
+        # Checked before anything is created.
+        matching = matching_of(labels, names)
         if settings.thickness <= 0:
             _refuse_flat_groups(sources, meshes)
         entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
         guides = guides_of_shapes(entries, inputs, meshes, depsgraph)
     alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
     laid = aligned_meshes(meshes, alignment, scaling, names)
-    return ReadShapes(names, laid.meshes, labels, guides, laid.moves)
+    return ReadShapes(MorphInputs(laid.meshes, names, matching, guides), laid.moves)
 
 
 def _read_meshes(

@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
+from ...applications.morphs.morph_inputs import MorphInputs
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.one_mesh.key_paths import KeyPath
 from ...applications.one_mesh.swapped_meshes import SwappedMeshes, swapped_meshes
@@ -64,7 +65,7 @@ class SwapJob(KeyJob):
                 for obj in inputs:
                     self._bases.append(KeyBasis.of(obj, depsgraph, request.basis, settings.resolution))
                 shapes = [basis.shape for basis in self._bases]
-                self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, shapes, depsgraph)
+                guides = guides_of_shapes(guides_of_entries(request.guides), inputs, shapes, depsgraph)
                 laid = aligned_meshes(shapes, request.alignment, request.scaling, self._names)
                 if laid.moves is not None and self._bases[1].rest.modifiers:
                     raise InputError(
@@ -74,7 +75,8 @@ class SwapJob(KeyJob):
             except InputError:
                 self.discard()
                 raise
-        self._shapes, self._moves = laid.meshes, laid.moves or (None, None)
+        self._shapes = MorphInputs.of(laid.meshes, self._names, guides=guides)
+        self._moves = laid.moves or (None, None)
         (self._placement,) = placements(laid)
         # Meshes follow the matter of the blends, which is stored with the attributes that they carry.
         self._settings = replace(settings, carry=True)
@@ -85,9 +87,7 @@ class SwapJob(KeyJob):
 
     def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the morph and the paths of the vertices without accessing Blender's data."""
-        self.found = yield from swapped_meshes(
-            self._shapes, self._names, self._error, self._settings, self._guides, control, computation
-        )
+        self.found = yield from swapped_meshes(self._shapes, self._error, self._settings, control, computation)
 
     @property
     def paths(self) -> list[KeyPath]:

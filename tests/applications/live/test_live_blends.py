@@ -14,6 +14,7 @@ from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.live_shapes import LiveShapes
 from convwass_addon.applications.live.weight_layouts import path_weights
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -62,7 +63,7 @@ def live_balls(clock: Clock, count: int = 2, motion: str = "transport", **live: 
     meshes = tuple(ball(RADII[i % 2], CENTERS[i % 2], 400) for i in range(count))
     names = tuple(f"ball {i}" for i in range(count))
     settings = LiveSettings(**{"live_resolution": 32} | live)
-    return LiveBlends(LiveShapes(meshes, names, unparted(count)), MorphSettings(motion=motion), settings, clock=clock)
+    return LiveBlends(LiveShapes(MorphInputs.of(meshes, names)), MorphSettings(motion=motion), settings, clock=clock)
 
 
 @pytest.fixture(scope="module")
@@ -190,7 +191,7 @@ def test_weights_that_are_no_numbers_are_refused(filled):
 
 def test_a_motion_takes_over_from_plain_transport():
     clock = Clock()
-    shapes = LiveShapes(SHAPES, NAMES, unparted(2))
+    shapes = LiveShapes(MorphInputs.of(SHAPES, NAMES))
     live = LiveBlends(shapes, MorphSettings(on_floor=False), LiveSettings(live_resolution=32), clock, TurningFound())
     live.point((0.499, 0.501))
     reaches = []
@@ -209,14 +210,14 @@ def test_a_motion_takes_over_from_plain_transport():
 
 
 def test_shapes_without_a_motion_get_the_complete_lattice():
-    shapes = LiveShapes(SHAPES, NAMES, unparted(2))
+    shapes = LiveShapes(MorphInputs.of(SHAPES, NAMES))
     live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=24), Clock(), NothingFound())
     drained(live.work(Control()))
     assert live.filled >= 17 and not live.has_work
 
 
 def test_fields_of_moved_shapes_turn_with_them():
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48, on_floor=False), 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), MorphSettings(resolution=48, on_floor=False), 1))
     problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
     source = MovingSource(problem)
     blend = Blend((0.7, 0.3))

@@ -16,6 +16,7 @@ from convwass_addon.applications.live.live_shapes import LiveShapes
 from convwass_addon.applications.live.shape_colors import ShapeColors
 from convwass_addon.applications.morphs.appearance import Appearance, Painted, Plain
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
@@ -87,7 +88,7 @@ def filled() -> LiveBlends:
     """Return a lattice of two balls, one red, one blue."""
     meshes = tuple(ball(radius, center, 400) for radius, center in zip(RADII, CENTERS, strict=True))
     looks = tuple(plain(mesh, color) for mesh, color in zip(meshes, (RED, BLUE), strict=True))
-    shapes = LiveShapes(meshes, ("one", "other"), unparted(2), appearances=looks)
+    shapes = LiveShapes(MorphInputs.of(meshes, ("one", "other")), appearances=looks)
     clock = Clock()
     live = LiveBlends(shapes, MorphSettings(motion="transport"), LiveSettings(live_resolution=24), clock)
     drained(live.work(Control()))
@@ -116,7 +117,7 @@ def test_colors_of_transported_matter_stay_in_their_places(cells):
         by_height(mesh, np.array(center), 2 * radius)
         for mesh, center, radius in zip(meshes, CENTERS, RADII, strict=True)
     ]
-    shapes = LiveShapes(meshes, ("one", "other"), unparted(2), appearances=tuple(looks))
+    shapes = LiveShapes(MorphInputs.of(meshes, ("one", "other")), appearances=tuple(looks))
     live = LiveBlends(shapes, MorphSettings(motion="transport"), LiveSettings(live_resolution=cells))
     work = live.work(Control())
     while live.shown() is None:
@@ -131,7 +132,7 @@ def test_colors_of_transported_matter_stay_in_their_places(cells):
 
 
 def test_colors_of_moved_shapes_move_with_them():
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48, on_floor=False), 1))
+    still = drained(prepared_problem(MorphInputs.of(SHAPES, NAMES), MorphSettings(resolution=48, on_floor=False), 1))
     problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
     colors = []
     for mesh, angle in zip(SHAPES, (0.0, ANGLE), strict=True):

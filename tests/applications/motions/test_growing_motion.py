@@ -10,6 +10,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.growing_motion import GrowingMotion, growth
@@ -63,7 +64,7 @@ def test_a_small_head_becomes_a_large_one():
     small = TriangleMesh(ball(points=400).vertices * (1.0, 0.4, 0.3), ball(points=400).faces)
     large = TriangleMesh(2.2 * small.vertices, small.faces)
     settings = MorphSettings(resolution=32, motion="guided")
-    work = morph([small, large], ["A", "B"], [Blend((0.5, 0.5))], settings, computation=Computation(1))
+    work = morph(MorphInputs.of([small, large], ["A", "B"]), [Blend((0.5, 0.5))], settings, computation=Computation(1))
     with coarse_maps():
         (frame,) = payloads(work, MorphFrame)
     assert frame.mesh.volume == pytest.approx(0.5 * (small.volume + large.volume), rel=0.01)

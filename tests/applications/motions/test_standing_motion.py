@@ -16,6 +16,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.growing_motion import GrowingMotion
@@ -231,7 +232,8 @@ def test_frames_of_a_morph_stand_on_the_floor(leaning_rods):
     lowest = {}
     for on_floor in (False, True):
         settings = MorphSettings(resolution=32, motion="guided", on_floor=on_floor)
-        work = morph(leaning_rods, ["A", "B"], [Blend((0.5, 0.5))], settings, computation=Computation(1))
+        inputs = MorphInputs.of(leaning_rods, ["A", "B"])
+        work = morph(inputs, [Blend((0.5, 0.5))], settings, computation=Computation(1))
         with coarse_maps():
             (frame,) = payloads(work, MorphFrame)
         lowest[on_floor] = frame.mesh.bounds[0, 2]
@@ -252,7 +254,8 @@ def test_blends_between_frames_have_the_floor_of_the_whole_path(leaning_rods, tm
     shapes, names, path = [*leaning_rods, leaning_rods[0]], ("A", "B", "C"), path_blends(3, 2)
     settings = MorphSettings(resolution=32, motion="guided", detail=0.0, carry=False)
     with coarse_maps():
-        drained(between_frames(shapes, names, path, [1.0], settings, Computation(1, cache=FrameCache(tmp_path))))
+        inputs = MorphInputs.of(shapes, names)
+        drained(between_frames(inputs, path, [1.0], settings, Computation(1, cache=FrameCache(tmp_path))))
     assert asked == [[(0, 1), (1, 2)]]
 
 
