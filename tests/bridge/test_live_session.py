@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 
 import bpy
@@ -22,6 +23,7 @@ from convwass_addon.bridge.objects import write_triangles
 from convwass_addon.bridge.shape_sources import ShapeSource
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.plates import Plates
 from tests.grids import sheet
 from tests.linked_objects import linked_object
 from tests.searches import counted_searches
@@ -94,13 +96,19 @@ def test_the_shape_follows_the_handle(begin):
     assert session.weights == (0.0, 1.0)
 
 
-def test_sheets_beside_solids_are_shown(begin, make_object):
-    """They are thicker than a cell, as in bakes, instead of missing."""
+@pytest.fixture
+def finned_balls(make_object):
+    """Two balls with fins, 0.8 and 1.2 long."""
     for place, length in enumerate((0.8, 1.2)):
         flat = sheet(9, 9)
         fin = TriangleMesh(flat.vertices * [length, 0.6, 1.0] + [0.4, -0.3, 0.0], flat.faces)
         mesh = joined(ball(0.5, points=200), fin)
         make_object(f"Ball {place}", mesh.vertices, faces=mesh.faces)
+
+
+@pytest.mark.usefixtures("finned_balls")
+def test_sheets_beside_solids_are_shown(begin):
+    """They are thicker than a cell, as in bakes, instead of missing."""
     session = begin()
     ready(session)
     session.move_to(0.5, 0.0)
@@ -108,6 +116,22 @@ def test_sheets_beside_solids_are_shown(begin, make_object):
     shape = session.scene.shape
     farthest = max(vertex.co.x for vertex in shape.data.vertices) + shape.location.x
     assert farthest == pytest.approx(0.4 + 1.0, abs=0.15)
+
+
+@pytest.mark.usefixtures("finned_balls")
+def test_sheets_are_found_in_the_background(begin, monkeypatch):
+    """Of a million triangles that takes two seconds; Blender's window would not answer meanwhile."""
+    threads, real = [], Plates.of
+    monkeypatch.setattr(Plates, "of", lambda mesh: threads.append(threading.current_thread()) or real(mesh))
+    session = begin()
+    ready(session)
+    assert len(threads) == 2
+    for vertex in bpy.data.objects["Ball 0"].data.vertices:
+        vertex.co *= 1.3
+    bpy.data.objects["Ball 0"].data.update()
+    bpy.context.view_layer.update()
+    ticked(session, lambda: len(threads) == 4)
+    assert threading.main_thread() not in threads
 
 
 @pytest.mark.parametrize(("count", "place", "expected"), [(3, (0.5, 1.0), (0, 0, 1)), (4, (1.0, 1.0), (0, 1, 0, 0))])

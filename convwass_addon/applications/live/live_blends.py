@@ -27,6 +27,7 @@ from ..morphs.layouts import Blend, pairs_of
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
+from ..morphs.plated_shapes import with_plates
 from ..morphs.preparing import sketchable_problem, with_connectivity
 from ..morphs.volumes import Lattice
 from ..motions.motion_choice import MotionChoice
@@ -91,15 +92,14 @@ class LiveBlends:
         clock: Callable[[], float] = time.monotonic,
         motions: MotionMemory | None = None,
     ) -> None:
-        meshes = shapes.inputs.shapes
-        self.layout = layout_of(len(meshes))
+        count = len(shapes.inputs.shapes)
+        self.layout = layout_of(count)
         self.notices: list[Sentence] = []
-        self._shapes, self._clock = shapes, clock
+        self._given, self._live, self._clock = shapes, live, clock
         self._motions = motions or MotionMemory()
         self._settings = replace(settings, resolution=live.live_resolution, carry=bool(shapes.appearances))
-        self._lattice = Lattice.around(meshes, self._settings.resolution, self._settings.sigma)
-        self._box = box_of_shapes(meshes, self._lattice)
-        self._memory = FieldMemory(shapes, self._lattice, self.layout, live.live_memory)
+        # What cannot work is refused at once; sheets are found by the thread that works.
+        self._lay_out(shapes)
         self._fields = LayeredFields()
         self._problem: MorphProblem | None = None
         self._full: FullSolver | None = None
@@ -107,7 +107,7 @@ class LiveBlends:
         self._colors: tuple[ShapeColors, ...] = ()
         self._nodes: FieldSource | None = None
         self._at_hand: FieldSource | None = None
-        self._hand = tuple(np.full(len(meshes), 1.0 / len(meshes)).tolist())
+        self._hand = tuple(np.full(count, 1.0 / count).tolist())
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
         self._rests = self._solved_hand_last = False
         self._rest_control: Control | None = None
@@ -235,9 +235,10 @@ class LiveBlends:
         return self._solve_rest if waits and not known else None
 
     def _prepared(self, control: Control) -> Work[None]:
-        """Voxelize the shapes; of fine lattices a coarser one first, on which the first blend is solved."""
+        """Find sheets, and voxelize the shapes; of fine lattices a coarser one first, for the first blend."""
         if self._nodes is not None:
             return
+        self._lay_out(replace(self._given, inputs=with_plates(self._given.inputs, self._settings)))
         self._colors = tuple(ShapeColors.of(appearance) for appearance in self._shapes.appearances)
         if self._settings.resolution > _FINE:
             coarse = replace(quick_settings(self._settings), resolution=_STAND_IN, blur=None)
@@ -254,6 +255,14 @@ class LiveBlends:
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
         self._fields.cover(self._empty_lattice(levels))
+
+    def _lay_out(self, shapes: LiveShapes) -> None:
+        """Lay out the grid around shapes."""
+        meshes = shapes.inputs.shapes
+        self._shapes = shapes
+        self._lattice = Lattice.around(meshes, self._settings.resolution, self._settings.sigma)
+        self._box = box_of_shapes(meshes, self._lattice)
+        self._memory = FieldMemory(shapes, self._lattice, self.layout, self._live.live_memory)
 
     def _empty_lattice(self, levels: Sequence[int]) -> FillingLattice:
         far = FAR if self.layout.count == 2 else _FAR_ON_PADS

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -18,7 +18,6 @@ from ...applications.live.live_shapes import LiveShape, LiveShapes
 from ...applications.live.pad_places import pad_weights
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
-from ...applications.morphs.plated_shapes import with_plates
 from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
@@ -119,9 +118,7 @@ class LiveSession:
 
     def _blends_of(self, read: ReadShapes, looks: tuple[Appearance, ...]) -> LiveBlends:
         request = self._request
-        settings = replace(request.settings, resolution=request.live.live_resolution)
-        shapes = LiveShapes(with_plates(read.inputs, settings), looks)
-        return LiveBlends(shapes, request.settings, request.live, motions=FOUND_MOTIONS)
+        return LiveBlends(LiveShapes(read.inputs, looks), request.settings, request.live, motions=FOUND_MOTIONS)
 
     @property
     def count(self) -> int:
