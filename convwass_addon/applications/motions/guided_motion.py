@@ -250,7 +250,7 @@ def guided_motion(
         marked = guide_pairs(guides, *ordered)
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
         both = shapes[ordered[0]], shapes[ordered[1]]
-        registration = _registered(both, (one, other), places, settings, control)
+        registration = _registered(both, (one, other), places, settings.map_vertices, control)
         begin, end = (_READ + (1.0 - _READ) * share / len(pairs) for share in (number, number + 1))
         with one_blas_thread():
             best, match = yield from within(_deformed(one, other, registration, control), begin, end)
@@ -299,13 +299,13 @@ def _registered(
     shapes: tuple[TriangleMesh, TriangleMesh],
     carriers: tuple[Carrier, Carrier],
     pairs: NDArray[np.int64],
-    settings: GuidedSettings,
+    map_vertices: int,
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes by their vertices if these correspond and there are no guides, and otherwise by a map."""
     if not len(pairs) and vertices_correspond(*shapes):
         return corresponding_pair(shapes, carriers)
-    return (yield from mapped_pair(*carriers, pairs, settings, control))
+    return (yield from mapped_pair(*carriers, pairs, map_vertices, control))
 
 
 def _deformed(

@@ -23,7 +23,6 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .carriers import Carrier
 from .facing_turns import is_turned_over, symmetric_turn, tumbles, turned_carrier, turned_mesh
-from .guided_settings import GuidedSettings
 from .limb_pairs import limb_pairs
 from .limbs import is_compact
 from .map_detour import map_detour
@@ -65,7 +64,7 @@ _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -
 
 
 def mapped_pair(
-    one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
+    one: Carrier, other: Carrier, pairs: NDArray[np.int64], map_vertices: int, control: Control
 ) -> Work[MappedPair]:
     """Register two shapes to each other.
 
@@ -85,8 +84,8 @@ def mapped_pair(
         The two shapes.
     pairs : (k, 2) int64
         Corresponding vertices of their meshes: the guides. A map that follows more of them is better.
-    settings : GuidedSettings
-        Settings of the motion.
+    map_vertices : int
+        Approximate number of vertices of the coarse meshes on which maps are solved.
     control : Control
         Stops the work.
 
@@ -98,7 +97,7 @@ def mapped_pair(
     guides = MirroredGuides.of(one, other, pairs)
     pairs, turn = guides.pairs, guides.turn
     if guides.are_askew:
-        return (yield from _registered_turned(one, other, pairs, turn, settings, control))
+        return (yield from _registered_turned(one, other, pairs, turn, map_vertices, control))
     if turn is None:
         marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
         turn = upright_turn_of_points(*marked)
@@ -108,12 +107,12 @@ def mapped_pair(
     is_flat = not len(pairs) and is_level(one.mesh.vertices) and is_level(other.mesh.vertices)
     by_limbs = None
     if turn is None and not len(pairs) and not is_flat:
-        by_limbs = yield from within(_registered_by_limbs(one, other, settings, control), 0.0, 0.2)
+        by_limbs = yield from within(_registered_by_limbs(one, other, map_vertices, control), 0.0, 0.2)
         if by_limbs is not None and by_limbs.score >= _CLEAR_LIMBS:
             return by_limbs
-    best = yield from within(_registered(one, other, pairs, settings, control), 0.2, 0.5)
+    best = yield from within(_registered(one, other, pairs, map_vertices, control), 0.2, 0.5)
     if turn is not None and not (is_flat and best.score >= TRUSTED):
-        turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 0.8)
+        turned = yield from within(_registered_turned(one, other, pairs, turn, map_vertices, control), 0.5, 0.8)
         if not is_flat or _may_turn(best, turned):
             best = better(best, turned)
     if len(pairs) or best.score >= TRUSTED:
@@ -220,9 +219,7 @@ def _registered_from_survey(
     return found if turn is None else _turned_back(found, one, turn)
 
 
-def _registered_by_limbs(
-    one: Carrier, other: Carrier, settings: GuidedSettings, control: Control
-) -> Work[MappedPair | None]:
+def _registered_by_limbs(one: Carrier, other: Carrier, map_vertices: int, control: Control) -> Work[MappedPair | None]:
     """Register two shapes by their limbs, with the first one turned so that both look in the same direction.
 
     Where that is not known, the better one of both quarter turns is taken. Returns None if their limbs do not
@@ -240,7 +237,7 @@ def _registered_by_limbs(
         if not len(limbs.tips) or limbs.facing < 0:
             continue
         pairs = np.stack([draft.seeds[tips] for draft, tips in zip(drafts, limbs.tips.T, strict=True)], axis=1)
-        solved = limb_map(pose, other, pairs, settings.map_vertices, control, sides)
+        solved = limb_map(pose, other, pairs, map_vertices, control, sides)
         mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
         laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
         found.append(_turned_back(_mapped(pose, other, laid, mapped, sides), one, turn))
@@ -272,11 +269,11 @@ def _registered_turned(
     other: Carrier,
     pairs: NDArray[np.int64],
     turn: NDArray[np.float64],
-    settings: GuidedSettings,
+    map_vertices: int,
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes after turning the first one, (3, 3), about its center."""
-    found = yield from _registered(turned_carrier(one, turn), other, pairs, settings, control)
+    found = yield from _registered(turned_carrier(one, turn), other, pairs, map_vertices, control)
     return _turned_back(found, one, turn)
 
 
@@ -289,7 +286,7 @@ def _turned_back(found: MappedPair, one: Carrier, turn: NDArray[np.float64]) -> 
 
 
 def _registered(
-    one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
+    one: Carrier, other: Carrier, pairs: NDArray[np.int64], map_vertices: int, control: Control
 ) -> Work[MappedPair]:
     """Register two shapes to each other, from their map or from where they coincide."""
     message = registering(one, other)
@@ -306,7 +303,7 @@ def _registered(
     found, starts, sides = replace(PairMap.unneeded(), pairs=pairs), None, None
     if grown is None or not grown.fits:
         sides = agreeing_sides(one, other, pairs)
-        found = yield from within(pair_map(one, other, pairs, settings.map_vertices, control, sides), _GROWN, _MAPPED)
+        found = yield from within(pair_map(one, other, pairs, map_vertices, control, sides), _GROWN, _MAPPED)
         starts = found.starts(one, other)
     yield Progress(_MAPPED, message)
     laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)

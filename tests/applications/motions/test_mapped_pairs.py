@@ -107,7 +107,7 @@ def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, othe
     registrations(monkeypatch, standing)
     asked = surveyed(monkeypatch, *other, place=-1)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert asked == pytest.approx(tried)
     assert abs(found.turn) == pytest.approx(angle)
 
@@ -120,7 +120,7 @@ def test_flat_shapes_are_not_turned_around_in_doubt(monkeypatch):
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
     for standing in ((0.6, 0.2, 1.0), (0.6, None, 1.0)):
         registrations(monkeypatch, standing)
-        found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+        found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
         assert (found.score, asked) == (0.6, [])
 
 
@@ -132,7 +132,7 @@ def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other,
     registrations(monkeypatch, (0.15, symmetry, 1.0))
     asked = surveyed(monkeypatch, other, symmetry, 1.0)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert asked == [0.0]
     assert found.score == max(score, 0.5 * (symmetry or 0.0))
 
@@ -142,7 +142,7 @@ def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch
     carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.3, 0.2, 1.0))
     surveyed(monkeypatch, other, 0.2, 1.0)
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert found.score == score
 
 
@@ -154,7 +154,7 @@ def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standin
     carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (standing, 0.2, 1.0, 0.0, True))
     surveyed(monkeypatch, other, 0.2, 1.0)
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert found.score == score
 
 
@@ -184,7 +184,10 @@ def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
     registrations(monkeypatch, (standing, symmetry, 1.0, 0.0, False, 0.2))
     tried = surveyed(monkeypatch, other, symmetry, 1.0, rough=rough, stretch=stretch)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
-    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == score
+    assert (
+        drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).score
+        == score
+    )
     assert bool(tried) == (0.7 < rough < 1.0)
 
 
@@ -196,7 +199,10 @@ def test_the_first_map_remains_where_no_rough_one_can_be_solved(monkeypatch):
     carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.3, 0.2, 1.0))
     monkeypatch.setattr(mapped_pairs, "_registered_from_survey", failing)
-    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.3
+    assert (
+        drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).score
+        == 0.3
+    )
 
 
 def test_shapes_without_limbs_need_no_other_map(monkeypatch):
@@ -204,7 +210,7 @@ def test_shapes_without_limbs_need_no_other_map(monkeypatch):
     for pair in ((body, round_one), (round_one, body)):
         asked = registrations(monkeypatch, (0.1, None, 1.0))
         others = surveyed(monkeypatch, 0.6, None, 1.0)
-        assert drained(mapped_pair(*pair, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.1
+        assert drained(mapped_pair(*pair, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).score == 0.1
         assert (len(asked), len(others)) == (1, 0)
 
 
@@ -213,7 +219,10 @@ def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch)
     carrier = carrier_of(shape, "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(facing_turns, "upright_turn", lambda *_shapes: about_z(90.0))
     asked = registrations(monkeypatch, (0.6, 0.9, 1.0))
-    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+    assert (
+        drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).turn
+        == 0.0
+    )
     assert len(asked) == 1
 
 
@@ -245,7 +254,7 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
     registrations(monkeypatch, (0.6, None, 1.0))
     by_limbs(monkeypatch, limbs)
     asked = surveyed(monkeypatch, score, 0.5, 1.0, place=1)
-    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert found.turn == pytest.approx(angle)
     assert asked == pytest.approx([0.0, 90.0, -90.0])
 
@@ -257,7 +266,7 @@ def test_quarter_turns_are_not_tried_if_shapes_may_map_as_they_stand(monkeypatch
     registrations(monkeypatch, (0.6, None, 1.0))
     by_limbs(monkeypatch, None)
     asked = surveyed(monkeypatch, 0.7, None, 1.0, rough=rough)
-    assert drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.7
+    assert drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).score == 0.7
     assert asked == pytest.approx(tried)
 
 
@@ -266,7 +275,7 @@ def test_shapes_that_clearly_correspond_by_their_limbs_are_not_mapped_as_they_st
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     asked = registrations(monkeypatch, (0.9, None, 1.0))
     by_limbs(monkeypatch, limbs)
-    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert len(asked) == count
     assert (found.score, found.turn) == ((0.9, 0.0) if count else (limbs, 90.0))
 
@@ -277,7 +286,7 @@ def test_doubtful_limbs_count_if_other_maps_are_hardly_better(monkeypatch, acros
     registrations(monkeypatch, (0.6, None, 1.0))
     by_limbs(monkeypatch, limbs)
     surveyed(monkeypatch, 0.6, 0.5, 1.0)
-    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert found.score == score
 
 
@@ -290,7 +299,7 @@ def test_shapes_without_mirror_planes_are_not_turned_by_their_limbs(monkeypatch)
     meshes = figure()[0], spring(3)
     carriers = [carrier_of(mesh, "one", 600, UNINTERRUPTED) for mesh in meshes]
     registrations(monkeypatch, (0.9, None, 1.0))
-    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).turn == 0.0
 
 
 @pytest.mark.parametrize(("degrees", "farther"), [(180.0, 1.05), (0.0, 1.0), (180.0, 1.15)])
@@ -302,7 +311,7 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     registrations(monkeypatch, (0.95, 0.95, 1.0))
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, farther))
-    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     if degrees == 0.0 or farther > 1.1:
         assert (found.turn, found.score) == (0.0, 0.95)
         return
@@ -320,7 +329,7 @@ def test_a_raised_tail_does_not_become_the_head():
         carrier_of(mesh, "shape", 600, UNINTERRUPTED)
         for mesh in (TriangleMesh(first.vertices @ about_z(degrees).T, first.faces), second)
     ]
-    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     # The person looks along -y, as the animal did before.
     assert np.cos(np.radians(found.turn + degrees)) == pytest.approx(1.0)
     assert not len(found.map.pairs)
@@ -334,7 +343,10 @@ def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
-    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+    assert (
+        drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED)).turn
+        == 0.0
+    )
 
 
 @pytest.mark.parametrize(
@@ -345,7 +357,7 @@ def test_shapes_are_not_turned_if_that_stretches_them_more(monkeypatch, score, s
     carrier = carrier_of(figure()[0], "figure", 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.965, 1.0, 1.0, 0.0, False, 0.15), (score, 1.0, 1.0, 0.0, False, stretch))
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert (abs(found.turn) == pytest.approx(180.0)) == turns
 
 
@@ -355,7 +367,7 @@ def test_a_rough_map_does_not_turn_shapes_if_that_stretches_them_clearly_more(mo
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.6, None, 1.0, 0.0, False, 0.2), (0.5, None, 1.0, 0.0, False, 0.2))
     asked = surveyed(monkeypatch, 0.97, None, 1.0, place=1, rough=0.8, stretch=stretch)
-    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH.map_vertices, UNINTERRUPTED))
     assert (found.score, len(asked)) == (score, 2)
 
 
@@ -368,7 +380,7 @@ def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, 
     hand = int(np.argmax(shape.vertices @ (0.9, 0.1, 0.35)))
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     asked = registrations(monkeypatch, *[(0.5, 0.5, 1.0)] * (count - 1), (0.6, 0.9, 1.0))
-    found = drained(mapped_pair(*carriers, np.array([(hand, hand)]), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*carriers, np.array([(hand, hand)]), ROUGH.map_vertices, UNINTERRUPTED))
     assert len(asked) == count
     assert abs(found.turn) == pytest.approx(degrees)
     here, there = (own.mesh.vertices - own.mesh.area_center for own in (asked[-1], carriers[1]))
@@ -399,7 +411,7 @@ def test_shapes_that_grow_on_each_other_need_no_map_with_guides(monkeypatch, giv
 
     carrier, tips = figure_without_maps(monkeypatch)
     pairs = np.array([[tips[one], tips[other]] for one, other in given])
-    found = drained(mapped_pair(carrier, carrier, pairs, ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(carrier, carrier, pairs, ROUGH.map_vertices, UNINTERRUPTED))
     # The mirror image of the hand is among them, too.
     assert [pair for pair in pairs.tolist() if pair in found.map.pairs.tolist()] == pairs[followed].tolist()
 
@@ -407,4 +419,4 @@ def test_shapes_that_grow_on_each_other_need_no_map_with_guides(monkeypatch, giv
 def test_shapes_need_a_map_where_a_guide_contradicts_their_growth(monkeypatch):
     carrier, tips = figure_without_maps(monkeypatch)
     with pytest.raises(AssertionError, match="no map"):
-        drained(mapped_pair(carrier, carrier, np.array([(tips[0], tips[1])]), ROUGH, UNINTERRUPTED))
+        drained(mapped_pair(carrier, carrier, np.array([(tips[0], tips[1])]), ROUGH.map_vertices, UNINTERRUPTED))
