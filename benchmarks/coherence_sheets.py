@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.geometry.mesh import TriangleMesh

@@ -21,7 +21,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.carrying import Carrying
+from convwass_addon.bridge.morphs.looks.carrying import Carrying
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.uv_charts import uv_sizes
 

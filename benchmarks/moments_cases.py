@@ -12,11 +12,11 @@ import numpy as np
 
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.fields.stored_fields import field_cells
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.player import make_player
-from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, morph_value
+from convwass_addon.bridge.morphs.players.player import make_player
+from convwass_addon.bridge.morphs.players.player_inputs import detail, interpolation, morph_value
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
-from convwass_addon.bridge.morphs.stored_fields import field_cells
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
 

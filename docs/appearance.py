@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from photographs import color_material, finer, sample_shape, save_jpeg
 
 import convwass_addon
-from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.progress import drained
 
 _SPOTS = 26

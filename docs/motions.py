@@ -23,7 +23,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.guides import Guide
-from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import drained

@@ -18,7 +18,7 @@ from PIL import Image
 
 import convwass_addon
 from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
+from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]

@@ -98,7 +98,7 @@ BRIDGE = {
     "imports": ("import_objects",),
     "objects": ("triangle_mesh", "write_mesh"),
     "surfaces": ("read_surface",),
-    "morphs.exports": ("export_frames",),
+    "morphs.disk.exports": ("export_frames",),
     "vertex_groups": ("read_group", "write_group", "as_weights"),
     "image_files": ("opened_image",),
     "palettes.image_files": ("save_pixels",),

@@ -21,7 +21,7 @@ from ..geometry.polygons import Polygons
 from .element_values import element_values, triangle_corners, vectors_of, write_floats
 from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh
-from .morphs.frame_attributes import VELOCITY
+from .morphs.looks.frame_attributes import VELOCITY
 from .unused_data import removed_on_errors
 from .visibility import current_objects, evaluated_object
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 import bpy
 
 from .element_values import element_values, write_attribute
-from .morphs.frame_attributes import COLOR
+from .morphs.looks.frame_attributes import COLOR
 
 _SHARED_UVS, _SHARED_COLORS = "UVs of Parts", "Colors of Parts"
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from .element_values import write_floats
-from .morphs.frame_attributes import VELOCITY
+from .morphs.looks.frame_attributes import VELOCITY
 from .node_math import feed, joined, new_node, stored_attribute, switch
 from .node_trees import geometry_group
 

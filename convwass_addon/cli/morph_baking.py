@@ -22,9 +22,9 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_job import FlatJob
 from ..bridge.flat.picture_job import PictureJob
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.animation import render_animation
-from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
+from ..bridge.morphs.pictures.animation import render_animation
+from ..bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from ..bridge.morphs.stored import stored_diagnostics
 from ..bridge.studio import move_result
 from ..console import ProgressBar

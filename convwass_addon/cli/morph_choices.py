@@ -16,8 +16,8 @@ from ..applications.morphs.layouts import Blend
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
-from ..bridge.morphs.exports import SUFFIXES
-from ..bridge.morphs.followed_inputs import FOLLOW
+from ..bridge.morphs.disk.exports import SUFFIXES
+from ..bridge.morphs.inputs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import SHAPE_KEYS, folder_beside
 from ..errors import InputError

@@ -23,9 +23,9 @@ from ..bridge.flat.choosing import asks_for_flat, refuse_following
 from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.imports import live_shape
-from ..bridge.morphs.exports import export_frames
-from ..bridge.morphs.followed_inputs import FOLLOW
-from ..bridge.morphs.guides_of_files import guides_asked_for
+from ..bridge.morphs.disk.exports import export_frames
+from ..bridge.morphs.inputs.followed_inputs import FOLLOW
+from ..bridge.morphs.inputs.guides_of_files import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
 from ..bridge.objects import MESHED, triangle_mesh
 from ..progress import Progress

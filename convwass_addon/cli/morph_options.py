@@ -10,7 +10,7 @@ from pathlib import Path
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
-from ..bridge.morphs.exports import SUFFIXES
+from ..bridge.morphs.disk.exports import SUFFIXES
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import ON_DISK, PACKED, SHAPE_KEYS
 from .argument_types import WORKERS, frame_range, numbers

@@ -16,7 +16,7 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import creatable_folder, save_blend
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.guides_of_files import guides_asked_for
+from ..bridge.morphs.inputs.guides_of_files import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys, left_out_notices
 from ..bridge.one_mesh.key_notices import key_summary, poor_notices, swap_summary

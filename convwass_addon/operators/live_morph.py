@@ -10,7 +10,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.live.running import running_live
-from ..bridge.morphs.morph_guides import guides_among
+from ..bridge.morphs.inputs.morph_guides import guides_among
 from ..bridge.shape_sources import is_plain, shape_sources
 from ..errors import InputError
 from ..properties.live import LiveProperties

@@ -20,7 +20,7 @@ class CONVWASS_OT_mark_morph_asset(OnActiveMorph, bpy.types.Operator):
 
     @reporting_errors
     def execute(self, context):
-        from ..bridge.morphs.asset_marking import mark_as_assets
+        from ..bridge.morphs.pictures.asset_marking import mark_as_assets
 
         with progress_at_mouse():
             marked = mark_as_assets(active_morph(context))

@@ -15,7 +15,7 @@ from bpy.props import StringProperty
 
 from ..bridge.files import creatable_folder
 from ..bridge.handles import Handle
-from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, guides_now, parsed_guides
+from ..bridge.morphs.inputs.morph_guides import NamedGuide, check_guide_names, guides_among, guides_now, parsed_guides
 from ..bridge.shape_sources import is_plain, shape_sources
 from ..errors import InputError
 from ..preferences import preferences
@@ -90,7 +90,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.flat.choosing import asks_for_flat, refuse_following, refuse_volumes
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
-        from ..bridge.morphs.disk_output import own_folder
+        from ..bridge.morphs.disk.disk_output import own_folder
         from ..bridge.morphs.job import MorphJob
         from ..bridge.morphs.mixed_job import MixedMorphJob, will_mix
 
@@ -138,7 +138,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _require_folder(self) -> None:
         """Raise InputError if the files of the morph could not be written after the bake."""
-        from ..bridge.morphs.disk_output import read_files, require_rewritable
+        from ..bridge.morphs.disk.disk_output import read_files, require_rewritable
 
         replaced = self.replaced()
         if replaced is not None and read_files(replaced) is not None:

@@ -64,8 +64,8 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
 
     def _written(self, context: bpy.types.Context) -> list[Path]:
         from ..bridge.flat.frames_as_meshes import require_no_drawings
-        from ..bridge.morphs.exports import export_frames, format_of
-        from ..bridge.morphs.seen_frames import seen_frames
+        from ..bridge.morphs.disk.exports import export_frames, format_of
+        from ..bridge.morphs.players.seen_frames import seen_frames
         from ..bridge.one_mesh.key_files import export_shape_keys
 
         if not self.filepath:

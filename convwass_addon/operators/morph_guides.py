@@ -9,7 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.flat.flat_kinds import looks_flat
-from ..bridge.morphs.morph_guides import (
+from ..bridge.morphs.inputs.morph_guides import (
     NamedGuide,
     guides_from_bones,
     guides_from_empties,

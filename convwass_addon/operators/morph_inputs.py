@@ -49,7 +49,7 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, ChecksShapes, bpy.types.Operator
         return True
 
     def _begin(self, context):
-        from ..bridge.morphs.input_checks import CheckJob
+        from ..bridge.morphs.inputs.input_checks import CheckJob
 
         settings = context.scene.convwass_morph
         if not settings.inputs and is_untouched(settings):
@@ -124,7 +124,7 @@ class CONVWASS_OT_check_morph_inputs(_OnList, ChecksShapes, bpy.types.Operator):
         return tip_(cls.__doc__)
 
     def _begin(self, context):
-        from ..bridge.morphs.input_checks import CheckJob
+        from ..bridge.morphs.inputs.input_checks import CheckJob
 
         return CheckJob(self._objects(context), context.scene.convwass_morph.grouping)
 

@@ -14,8 +14,8 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge.active import active_object, selected_objects
 from ..bridge.linked_data import is_linked, overriding
 from ..bridge.morphs.bake_order import in_order, outdated
-from ..bridge.morphs.disk_output import read_morph
-from ..bridge.morphs.morph_guides import guides_of_entries
+from ..bridge.morphs.disk.disk_output import read_morph
+from ..bridge.morphs.inputs.morph_guides import guides_of_entries
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import delete_morph
 from ..bridge.morphs.stand_ins import shown_morph

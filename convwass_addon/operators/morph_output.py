@@ -11,7 +11,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.active import active_object
-from ..bridge.morphs.disk_output import DiskOutput, filled_folder, free_folder
+from ..bridge.morphs.disk.disk_output import DiskOutput, filled_folder, free_folder
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins, require_no_pad
@@ -31,7 +31,7 @@ class _OutputMorph(OnActiveMorph):
 
     @reporting_errors
     def execute(self, context):
-        from ..bridge.morphs.seen_frames import seen_frames
+        from ..bridge.morphs.players.seen_frames import seen_frames
 
         morph = active_morph(context)
         require_no_pad(morph)
@@ -77,7 +77,7 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
         super()._check(morph)
 
     def _written(self, morph, watch):
-        from ..bridge.morphs.volume_output import as_volume
+        from ..bridge.morphs.disk.volume_output import as_volume
 
         with filled_folder(free_folder(self.folder, morph)) as folder:
             return drained(watch(as_volume(morph, folder)))
@@ -93,7 +93,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
 
     def _check(self, morph):
         from ..bridge.flat.frames_as_meshes import require_no_drawings
-        from ..bridge.morphs.cache_output import require_animation
+        from ..bridge.morphs.disk.cache_output import require_animation
 
         require_no_drawings(morph)
         require_animation(morph)
@@ -101,7 +101,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
 
     def _written(self, morph, _watch):
         from ..bridge.flat.frames_as_meshes import turn_into_meshes
-        from ..bridge.morphs.cache_output import as_cache
+        from ..bridge.morphs.disk.cache_output import as_cache
 
         with filled_folder(free_folder(self.folder, morph)) as folder:
             turn_into_meshes(morph)

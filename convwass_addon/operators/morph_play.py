@@ -10,13 +10,13 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.keyframes import is_tweaked
-from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.pad_inputs import handle_velocity
-from ..bridge.morphs.pad_velocity import key_handle_velocity
-from ..bridge.morphs.player import build_player, require_playable
-from ..bridge.morphs.player_inputs import is_player, speed
-from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
+from ..bridge.morphs.players.blend_pad import build_blend_pad, require_sheet
+from ..bridge.morphs.players.pad_inputs import handle_velocity
+from ..bridge.morphs.players.pad_velocity import key_handle_velocity
+from ..bridge.morphs.players.player import build_player, require_playable
+from ..bridge.morphs.players.player_inputs import is_player, speed
+from ..bridge.morphs.players.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, interpolates
 from ..bridge.openvdb_module import openvdb_module
@@ -27,7 +27,7 @@ from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import reporting_errors
 
 if TYPE_CHECKING:
-    from ..bridge.morphs.field_sampling import SampledFields
+    from ..bridge.morphs.fields.field_sampling import SampledFields
 
 # Settings of a timing that only some styles have.
 _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
@@ -60,7 +60,7 @@ class _ShowingMorph(BackgroundOperator, _InObjectMode):
 
     def _begin(self, context):
         from ..bridge.flat.frames_as_meshes import require_no_drawings
-        from ..bridge.morphs.field_job import FieldJob
+        from ..bridge.morphs.fields.field_job import FieldJob
 
         morph = active_morph(context)
         require_no_drawings(morph)
@@ -263,7 +263,7 @@ class CONVWASS_OT_bake_player(BackgroundOperator, _OnPlayer, bpy.types.Operator)
         return super().invoke(context, None)
 
     def _begin(self, context):
-        from ..bridge.morphs.dense_bake import DenseBake, sample_times
+        from ..bridge.morphs.players.dense_bake import DenseBake, sample_times
 
         render = context.scene.render
         first, last = keyed_span(context.object)

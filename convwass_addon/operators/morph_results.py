@@ -13,15 +13,15 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.blend_pad import build_blend_pad
-from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
-from ..bridge.morphs.hidden_inputs import (
+from ..bridge.morphs.disk.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
+from ..bridge.morphs.inputs.hidden_inputs import (
     instances_without,
     missed_in_renders,
     shown_when_opened,
     still_in_renders,
 )
-from ..bridge.morphs.player import build_player
+from ..bridge.morphs.players.blend_pad import build_blend_pad
+from ..bridge.morphs.players.player import build_player
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from ..applications.morphs.frame_cache import FrameCache
     from ..bridge.flat.flat_job import FlatJob
     from ..bridge.flat.picture_job import PictureJob
-    from ..bridge.morphs.field_sampling import SampledFields
+    from ..bridge.morphs.fields.field_sampling import SampledFields
     from ..bridge.morphs.job import MorphJob
     from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
     from ..bridge.one_mesh.swap_job import SwapJob

@@ -16,7 +16,7 @@ from .background import BackgroundOperator
 
 if TYPE_CHECKING:
     from ..applications.morphs.shape_check import ShapeFindings
-    from ..bridge.morphs.input_checks import CheckedShape, CheckJob
+    from ..bridge.morphs.inputs.input_checks import CheckedShape, CheckJob
     from ..properties.morph_inputs import CONVWASS_PG_input
 
 
@@ -30,7 +30,7 @@ class ChecksShapes(BackgroundOperator):
     _title = Sentence("Checking inputs")
 
     def invoke(self, context, event):
-        from ..bridge.morphs.input_checks import face_count
+        from ..bridge.morphs.inputs.input_checks import face_count
 
         # Only one job can show its progress, and be stopped.
         is_busy = context.window_manager.convwass_progress.running

@@ -10,8 +10,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
-from ..bridge.morphs.pad_inputs import handle_velocities
-from ..bridge.morphs.player_inputs import detail, interpolation, is_player, morph_value, playback
+from ..bridge.morphs.players.pad_inputs import handle_velocities
+from ..bridge.morphs.players.player_inputs import detail, interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
 from ..operators.morph_manage import active_morph

@@ -16,7 +16,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..bridge.morphs.morph_guides import NamedGuide
+from ..bridge.morphs.inputs.morph_guides import NamedGuide
 from ..bridge.object_names import object_of, unique_name
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 from ..bridge.vertex_places import Place, has_vertex, vertex_now

@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 
 import convwass_addon
-from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.disk.exports import export_frames
 
 
 def imported(path: Path) -> bpy.types.Object:

@@ -79,7 +79,7 @@ def _octahedron() -> TriangleMesh:
 
 def _make_player():
 
-    from convwass_addon.bridge.morphs.player import make_player
+    from convwass_addon.bridge.morphs.players.player import make_player
     from tests.moving_balls import moving_ball
 
     make_player(moving_ball(_make_object), between="INTERPOLATED").name = "Player"

@@ -11,11 +11,11 @@ from convwass_addon.applications.morphs.appearance import Carried, FaceSlots, Pa
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.morphs import appearance as appearance_module
-from convwass_addon.bridge.morphs.appearance import read_appearance, read_looks, seen_colors, write_carried
-from convwass_addon.bridge.morphs.dropped_appearance import dropped_notes, dropped_parts
-from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.disk.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.looks import appearance as appearance_module
+from convwass_addon.bridge.morphs.looks.appearance import read_appearance, read_looks, seen_colors, write_carried
+from convwass_addon.bridge.morphs.looks.dropped_appearance import dropped_notes, dropped_parts
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import frozen_copy

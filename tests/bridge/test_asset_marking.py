@@ -10,12 +10,12 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.morphs import asset_marking
-from convwass_addon.bridge.morphs.asset_marking import mark_as_assets
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
-from convwass_addon.bridge.morphs.player import make_player
-from convwass_addon.bridge.morphs.player_inputs import morph_value
+from convwass_addon.bridge.morphs.pictures import asset_marking
+from convwass_addon.bridge.morphs.pictures.asset_marking import mark_as_assets
+from convwass_addon.bridge.morphs.players.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.players.player import make_player
+from convwass_addon.bridge.morphs.players.player_inputs import morph_value
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.errors import InputError

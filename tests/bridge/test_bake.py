@@ -16,7 +16,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.keyframes import shown_during
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.materials import MATERIAL_NAME
+from convwass_addon.bridge.morphs.looks.materials import MATERIAL_NAME
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import (
     MORPH_KEY,

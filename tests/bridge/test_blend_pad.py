@@ -18,8 +18,8 @@ from convwass_addon.applications.morphs.layouts import grid_blends, path_blends,
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.blend_pad import BlendPad, make_blend_pad
-from convwass_addon.bridge.morphs.frame_colors import COLOR
+from convwass_addon.bridge.morphs.looks.frame_colors import COLOR
+from convwass_addon.bridge.morphs.players.blend_pad import BlendPad, make_blend_pad
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, shown_morph, shows_frames, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects, hidden_frames
 from convwass_addon.bridge.object_names import without_number

@@ -18,10 +18,10 @@ from mathutils import Matrix
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.files import save_blend
-from convwass_addon.bridge.morphs import volume_output
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.cache_output import as_cache
-from convwass_addon.bridge.morphs.disk_output import (
+from convwass_addon.bridge.morphs.disk import volume_output
+from convwass_addon.bridge.morphs.disk.cache_output import as_cache
+from convwass_addon.bridge.morphs.disk.disk_output import (
     FOLDER_KEY,
     disk_outputs,
     filled_folder,
@@ -33,10 +33,10 @@ from convwass_addon.bridge.morphs.disk_output import (
     packed_bytes,
     remember_folder,
 )
+from convwass_addon.bridge.morphs.disk.volume_output import as_volume
 from convwass_addon.bridge.morphs.outputs import save_as
 from convwass_addon.bridge.morphs.removal import remove_bake, remove_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.morphs.volume_output import as_volume
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.progress import drained

@@ -20,9 +20,9 @@ from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_
 from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.keyframes import curves_of, interpolate
-from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
+from convwass_addon.bridge.morphs.disk import exports
+from convwass_addon.bridge.morphs.disk.exports import FORMATS, export_frames
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh

@@ -14,9 +14,9 @@ import pytest
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
 from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.flat.picture_job import PictureJob
-from convwass_addon.bridge.morphs.disk_output import own_folder
+from convwass_addon.bridge.morphs.disk.disk_output import own_folder
+from convwass_addon.bridge.morphs.disk.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.cli import main
 from convwass_addon.errors import ConvwassError, InputError
 from tests.operators.morphs import baked_morph

@@ -13,9 +13,9 @@ from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.changes import changed_inputs
-from convwass_addon.bridge.morphs.field_sampling import read_blends
+from convwass_addon.bridge.morphs.fields.field_sampling import read_blends
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.player import make_player
+from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import triangle_mesh

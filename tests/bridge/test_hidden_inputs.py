@@ -10,8 +10,8 @@ import bpy
 import pytest
 
 from convwass_addon.bridge import object_names, visibility
-from convwass_addon.bridge.morphs import hidden_inputs
-from convwass_addon.bridge.morphs.hidden_inputs import (
+from convwass_addon.bridge.morphs.inputs import hidden_inputs
+from convwass_addon.bridge.morphs.inputs.hidden_inputs import (
     copy_hidden,
     hidden_only_by,
     hide_shapes,

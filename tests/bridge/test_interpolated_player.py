@@ -16,13 +16,13 @@ from skimage.measure import marching_cubes
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.morphs.appearance import write_velocity
-from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
-from convwass_addon.bridge.morphs.dense_bake import bake_player
-from convwass_addon.bridge.morphs.pad_inputs import handle_velocity
-from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
-from convwass_addon.bridge.morphs.player import make_player, refresh_player
-from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, is_player, morph_value, speed
+from convwass_addon.bridge.morphs.looks.appearance import write_velocity
+from convwass_addon.bridge.morphs.players.blend_pad import make_blend_pad
+from convwass_addon.bridge.morphs.players.dense_bake import bake_player
+from convwass_addon.bridge.morphs.players.pad_inputs import handle_velocity
+from convwass_addon.bridge.morphs.players.pad_velocity import key_handle_velocity
+from convwass_addon.bridge.morphs.players.player import make_player, refresh_player
+from convwass_addon.bridge.morphs.players.player_inputs import detail, interpolation, is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input

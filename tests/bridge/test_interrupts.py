@@ -16,7 +16,7 @@ from convwass_addon.bridge.blend_files import open_blend, open_empty
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.interrupts import delayed_interrupts, kept_interrupts
-from convwass_addon.bridge.morphs.gltf_animation import write_gltf_animation
+from convwass_addon.bridge.morphs.disk.gltf_animation import write_gltf_animation
 from convwass_addon.bridge.scene_writing import write_still_gltf
 from convwass_addon.bridge.studio import run_render
 from convwass_addon.errors import Cancelled

@@ -19,8 +19,8 @@ from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
 from convwass_addon.bridge.joined_shapes import joined_shape
 from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.inputs.shape_reading import read_shapes
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.shape_reading import read_shapes
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.stored_parts import stored_parts
 from convwass_addon.bridge.objects import MESHED, triangle_mesh

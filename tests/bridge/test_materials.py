@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.morphs.materials import (
+from convwass_addon.bridge.morphs.looks.materials import (
     MATERIAL_NAME,
     input_color,
     material_opacity,

@@ -16,11 +16,18 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.bake import MorphBake
-from convwass_addon.bridge.morphs.frame_colors import COLOR
-from convwass_addon.bridge.morphs.player import make_player, pace, refresh_player
-from convwass_addon.bridge.morphs.player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, is_player, morph_value
+from convwass_addon.bridge.morphs.looks.frame_colors import COLOR
+from convwass_addon.bridge.morphs.players.player import make_player, pace, refresh_player
+from convwass_addon.bridge.morphs.players.player_inputs import (
+    MATERIAL,
+    OVERRIDE,
+    PLAYBACK,
+    PLAYBACKS,
+    is_player,
+    morph_value,
+)
+from convwass_addon.bridge.morphs.players.retiming import keyed_span
 from convwass_addon.bridge.morphs.removal import remove_bake
-from convwass_addon.bridge.morphs.retiming import keyed_span
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, show_frames, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input

@@ -13,10 +13,10 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import corner_vertices, element_values
 from convwass_addon.bridge.joined_shapes import joined_shape
-from convwass_addon.bridge.morphs.dense_bake import bake_player
-from convwass_addon.bridge.morphs.frozen_inputs import frozen_inputs
+from convwass_addon.bridge.morphs.inputs.frozen_inputs import frozen_inputs
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.player import make_player
+from convwass_addon.bridge.morphs.players.dense_bake import bake_player
+from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree

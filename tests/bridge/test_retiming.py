@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of, interpolate, shown_during
-from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
-from convwass_addon.bridge.morphs.player import make_player
-from convwass_addon.bridge.morphs.player_inputs import morph_value, speed
-from convwass_addon.bridge.morphs.retiming import Retiming, key_speed, keyed_span, keys_of, retime
-from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
+from convwass_addon.bridge.morphs.players.dense_bake import bake_player, sample_times
+from convwass_addon.bridge.morphs.players.player import make_player
+from convwass_addon.bridge.morphs.players.player_inputs import morph_value, speed
+from convwass_addon.bridge.morphs.players.retiming import Retiming, key_speed, keyed_span, keys_of, retime
+from convwass_addon.bridge.morphs.players.seen_frames import shows_as_baked
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained

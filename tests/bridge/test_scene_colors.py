@@ -13,8 +13,8 @@ from convwass_addon.applications.palettes.lab_colors import linear_of_srgb
 from convwass_addon.bridge.color_attributes import read_colors, write_colors
 from convwass_addon.bridge.element_values import write_attribute
 from convwass_addon.bridge.heat_map import heat_colors
-from convwass_addon.bridge.morphs.appearance import read_appearance
-from convwass_addon.bridge.morphs.frame_attributes import COLOR
+from convwass_addon.bridge.morphs.looks.appearance import read_appearance
+from convwass_addon.bridge.morphs.looks.frame_attributes import COLOR
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree

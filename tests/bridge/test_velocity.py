@@ -10,10 +10,10 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.morphs.carrying import rates_of
-from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.disk.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.player import make_player
+from convwass_addon.bridge.morphs.looks.carrying import rates_of
+from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_trees import own_tree
 from tests.pictures import pixels_in

@@ -11,12 +11,12 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.handles import Handle
-from convwass_addon.bridge.morphs.exports import export_frames
+from convwass_addon.bridge.morphs.disk.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.look_groups import DISPLACEMENT, SURFACE, CarriedNames, LookGroups
-from convwass_addon.bridge.morphs.materials import is_carrying, principled_of
-from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLooks, emission_node
-from convwass_addon.bridge.morphs.player import make_player
+from convwass_addon.bridge.morphs.looks.look_groups import DISPLACEMENT, SURFACE, CarriedNames, LookGroups
+from convwass_addon.bridge.morphs.looks.materials import is_carrying, principled_of
+from convwass_addon.bridge.morphs.looks.mixed_materials import MixedMaterials, WholeLooks, emission_node
+from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
 from convwass_addon.bridge.node_math import new_node

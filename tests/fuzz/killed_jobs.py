@@ -17,7 +17,7 @@ from unittest.mock import patch
 import bpy
 
 from convwass_addon.applications.skies.sky_settings import SkySettings
-from convwass_addon.bridge.morphs import exports
+from convwass_addon.bridge.morphs.disk import exports
 from convwass_addon.bridge.skies.sky_sequence import SkyFiles, sky_steps
 from convwass_addon.operators.background import BackgroundOperator
 from convwass_addon.progress import Control

@@ -12,7 +12,7 @@ from convwass_addon.applications.flat.flat_pieces import filled_by
 from convwass_addon.bridge.flat.flat_objects import flat_objects
 from convwass_addon.bridge.keyframes import driver_targets
 from convwass_addon.bridge.morphs.changes import changed_inputs
-from convwass_addon.bridge.morphs.player_inputs import is_player
+from convwass_addon.bridge.morphs.players.player_inputs import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.visibility import update_places

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.flat.picture_bake import pictures_of
-from convwass_addon.bridge.morphs.disk_output import disk_outputs
+from convwass_addon.bridge.morphs.disk.disk_output import disk_outputs
 from convwass_addon.bridge.morphs.stand_ins import frames_modifier, stand_ins
 from convwass_addon.bridge.morphs.stored import stored_morph
 from tests.operators.morphs import add

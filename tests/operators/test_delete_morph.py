@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
+from convwass_addon.bridge.morphs.inputs.hidden_inputs import HIDDEN_KEY
 from convwass_addon.bridge.morphs.removal import delete_morph, remove_bake
 from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs, stored_settings
 from convwass_addon.bridge.one_mesh.baked_keys import SWAP_KEY

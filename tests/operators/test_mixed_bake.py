@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.morphs import field_sampling
-from convwass_addon.bridge.morphs.player_inputs import is_player
+from convwass_addon.bridge.morphs.fields import field_sampling
+from convwass_addon.bridge.morphs.fields.stored_fields import FIELD
+from convwass_addon.bridge.morphs.players.player_inputs import is_player
 from convwass_addon.bridge.morphs.stand_ins import stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.morphs.stored_fields import FIELD
 from tests.operators.morphs import PressedBake, baked_morph, census, two_balls, two_shapes
 from tests.operators.running import ESCAPE, is_computing, show_other_scene, started, until, window_context
 

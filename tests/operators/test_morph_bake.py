@@ -13,7 +13,7 @@ import pytest
 from convwass_addon.applications import memory
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
+from convwass_addon.bridge.morphs.inputs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.geometry.affine import transformed_points
 from tests.linked_objects import linked_to_new_file

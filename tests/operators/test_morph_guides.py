@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from mathutils import Matrix
 
-from convwass_addon.bridge.morphs.morph_guides import guides_of_shapes, parsed_guides
+from convwass_addon.bridge.morphs.inputs.morph_guides import guides_of_shapes, parsed_guides
 from convwass_addon.bridge.morphs.stored import stored_morph
 from convwass_addon.bridge.object_names import object_of
 from convwass_addon.bridge.objects import triangle_mesh

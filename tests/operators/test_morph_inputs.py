@@ -15,7 +15,7 @@ import pytest
 
 from convwass_addon.applications.morphs import shape_check
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.morphs.input_checks import face_count
+from convwass_addon.bridge.morphs.inputs.input_checks import face_count
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators import morph_inputs as morph_inputs_operators, shape_checks
 from convwass_addon.operators.chosen_inputs import split_names

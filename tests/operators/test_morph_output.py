@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.morphs.disk_output import disk_outputs
+from convwass_addon.bridge.morphs.disk.disk_output import disk_outputs
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 from tests.operators.morphs import two_balls
 from tests.operators.running import Pressed, show_other_scene, started, until, window_context
@@ -220,7 +220,7 @@ def test_a_static_morph_has_no_cache_and_leaves_nothing_behind(empty_scene, tmp_
 
 
 def test_a_cache_that_cannot_be_read_back_is_removed(morph, tmp_path, monkeypatch):
-    from convwass_addon.bridge.morphs import cache_output
+    from convwass_addon.bridge.morphs.disk import cache_output
 
     monkeypatch.setattr(cache_output, "export_frames", lambda _, file, kind: file.write_bytes(b"no archive"))
     with pytest.raises(RuntimeError, match="would contain no animated mesh"):

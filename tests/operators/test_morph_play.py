@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of, interpolate
-from convwass_addon.bridge.morphs.pad_inputs import handle_velocities, handle_velocity
-from convwass_addon.bridge.morphs.player_inputs import interpolation, is_player, morph_value, speed
+from convwass_addon.bridge.morphs.players.pad_inputs import handle_velocities, handle_velocity
+from convwass_addon.bridge.morphs.players.player_inputs import interpolation, is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from convwass_addon.operators import morph_play

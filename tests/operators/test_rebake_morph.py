@@ -17,7 +17,7 @@ from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
 from convwass_addon.bridge.keyframes import curves_of, shown_during
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
-from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
+from convwass_addon.bridge.morphs.players.seen_frames import shows_as_baked
 from convwass_addon.bridge.morphs.showing import main_object
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames, stored_morph

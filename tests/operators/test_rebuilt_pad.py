@@ -7,9 +7,9 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.morphs.mixed_frames import DETAIL
-from convwass_addon.bridge.morphs.pad_inputs import HANDLE, PAD, pad_part
-from convwass_addon.bridge.morphs.rebuilt_pad import rebuild_pad
+from convwass_addon.bridge.morphs.fields.mixed_frames import DETAIL
+from convwass_addon.bridge.morphs.players.pad_inputs import HANDLE, PAD, pad_part
+from convwass_addon.bridge.morphs.players.rebuilt_pad import rebuild_pad
 from convwass_addon.bridge.morphs.stand_ins import SHOWS_KEY, frames_modifier, shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs
 from convwass_addon.bridge.node_inputs import node_input

@@ -8,8 +8,8 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.morphs.player_inputs import MATERIAL, OVERRIDE, is_player, morph_value
-from convwass_addon.bridge.morphs.seen_frames import seen_frames, shows_as_baked
+from convwass_addon.bridge.morphs.players.player_inputs import MATERIAL, OVERRIDE, is_player, morph_value
+from convwass_addon.bridge.morphs.players.seen_frames import seen_frames, shows_as_baked
 from convwass_addon.bridge.morphs.stand_ins import shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
@@ -131,7 +131,7 @@ def test_a_player_is_exported_with_the_material_that_it_shows(player, tmp_path, 
 
 
 def test_an_error_leaves_the_player_as_it_was(player, tmp_path, monkeypatch):
-    from convwass_addon.bridge.morphs import cache_output
+    from convwass_addon.bridge.morphs.disk import cache_output
 
     bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
     before = {block.name for block in bpy.data.user_map()}

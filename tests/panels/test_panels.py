@@ -281,10 +281,10 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     forbid(
         monkeypatch,
         "applications.morphs.shape_check.check_shape",
-        "bridge.morphs.input_checks.triangle_mesh",
+        "bridge.morphs.inputs.input_checks.triangle_mesh",
         "bridge.morphs.job.morph",
-        "bridge.morphs.shape_reading.aligned_meshes",
-        "bridge.morphs.shape_reading.triangle_mesh",
+        "bridge.morphs.inputs.shape_reading.aligned_meshes",
+        "bridge.morphs.inputs.shape_reading.triangle_mesh",
         "bridge.morphs.bake.diagnose",
     )
     for layout in LAYOUTS:

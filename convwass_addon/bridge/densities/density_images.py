@@ -22,7 +22,7 @@ from ..element_values import MeshTriangles, element_values
 from ..files import absolute_folder, file_stem, made_folder
 from ..image_files import ImageFormat, drawn_image, opaque_pixels, write_image
 from ..mesh_checks import readable_mesh, require_not_edited
-from ..morphs.disk_output import for_blender
+from ..morphs.disk.disk_output import for_blender
 from ..numbered_files import numbered_paths
 from .density_attributes import checked_frames
 from .density_nodes import NAME

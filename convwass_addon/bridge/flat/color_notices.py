@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ...sentence import Sentence
-from ..morphs.materials import has_color_of_nodes
+from ..morphs.looks.materials import has_color_of_nodes
 from .flat_objects import FlatObject
 from .pencil_looks import has_painted_fill
 

@@ -16,7 +16,7 @@ from ...applications.morphs.layouts import Blend
 from ...geometry.outlines import ring_area
 from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_frames
-from ..morphs.frozen_inputs import FrozenInput
+from ..morphs.inputs.frozen_inputs import FrozenInput
 from ..objects import evaluated_mesh, is_sheared, place_mesh
 from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object

@@ -16,7 +16,7 @@ from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
-from ..morphs.animated_inputs import animation_notices
+from ..morphs.inputs.animated_inputs import animation_notices
 from .color_notices import color_notices, line_notices
 from .flat_bake import FlatBake, FlatKind, shared_material
 from .flat_curves import FittedFrame

@@ -15,7 +15,7 @@ from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..matrix_checks import require_finite
-from ..morphs.materials import input_color, material_color, material_opacity
+from ..morphs.looks.materials import input_color, material_color, material_opacity
 from ..nodes_output import nodes_output
 from ..visibility import evaluated_object
 from .flat_images import image_rings

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 
 from ..element_values import element_values, write_attribute
-from ..morphs.appearance import COLOR
-from ..morphs.materials import attribute_material, object_property_material, see_through_material
+from ..morphs.looks.appearance import COLOR
+from ..morphs.looks.materials import attribute_material, object_property_material, see_through_material
 from ..scene_colors import kind_of_colors
 
 REGION_KEY = "convwass_region_{}"

@@ -15,7 +15,7 @@ from ...geometry.ring_nesting import outline_of
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..morphs.bake import alone_in
-from ..morphs.materials import mark_as_frames
+from ..morphs.looks.materials import mark_as_frames
 from ..unused_data import remove_if_unused
 from .flat_bake import FlatBake, mean_color
 from .flat_curves import FittedFrame

@@ -26,11 +26,11 @@ from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..image_files import image_path
 from ..morphs.bake import MorphBake, alone_in, check_frames
-from ..morphs.disk_output import for_blender, output_folder, remember_folder
-from ..morphs.frozen_inputs import FrozenInput
-from ..morphs.materials import input_color, is_carrying, mark_as_frames
+from ..morphs.disk.disk_output import for_blender, output_folder, remember_folder
+from ..morphs.disk.written_files import drop_surplus, store_written
+from ..morphs.inputs.frozen_inputs import FrozenInput
+from ..morphs.looks.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import frame_objects
-from ..morphs.written_files import drop_surplus, store_written
 from ..node_trees import own_tree
 from ..numbered_files import file_number, numbered_paths
 from ..palettes.image_files import save_pixels

@@ -20,7 +20,7 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work, payloads
 from ...sentence import Sentence
-from ..morphs.disk_output import named_folder
+from ..morphs.disk.disk_output import named_folder
 from .flat_writing import WritesFlatFrames
 from .gray_inputs import gray_inputs
 from .picture_bake import PictureBake, PictureFrame

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..handles import found
-from ..morphs.frame_attributes import COLOR
-from ..morphs.materials import wire
+from ..morphs.looks.frame_attributes import COLOR
+from ..morphs.looks.materials import wire
 from ..shape_sources import ShapeSource
 from .leftovers import LIVE_KEY
 
@@ -37,8 +37,8 @@ def read_colors(sources: Sequence[ShapeSource], moves: Sequence[RigidMove] | Non
     moves : sequence of RigidMove or None
         Transforms that align them.
     """
-    from ..morphs.appearance import read_appearance
-    from ..morphs.frozen_inputs import frozen_inputs
+    from ..morphs.inputs.frozen_inputs import frozen_inputs
+    from ..morphs.looks.appearance import read_appearance
 
     shapes = frozen_inputs(sources, moves or [None] * len(sources))
     copies = found([shape.mesh for shape in shapes])

@@ -23,9 +23,9 @@ from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..morphs.found_motions import FOUND_MOTIONS
-from ..morphs.frame_attributes import COLOR
-from ..morphs.materials import attribute_material
-from ..morphs.shape_reading import ReadShapes, read_shapes
+from ..morphs.inputs.shape_reading import ReadShapes, read_shapes
+from ..morphs.looks.frame_attributes import COLOR
+from ..morphs.looks.materials import attribute_material
 from ..objects import write_mesh
 from ..shape_sources import OBJECTS, ShapeSource, shape_sources
 from .input_watch import InputWatch

@@ -28,9 +28,9 @@ from ..shape_sources import OBJECTS, shape_sources
 from ..unused_data import remove_if_unused
 from ..visibility import is_in, layers_with
 from .changes import signature, store_signatures
-from .frozen_inputs import FrozenInput, frozen_inputs
-from .hidden_inputs import hide_shapes
-from .materials import MATERIAL_NAME, morph_material
+from .inputs.frozen_inputs import FrozenInput, frozen_inputs
+from .inputs.hidden_inputs import hide_shapes
+from .looks.materials import MATERIAL_NAME, morph_material
 from .removal import remove_bake, remove_objects
 from .stored import (
     ALONE_KEY,

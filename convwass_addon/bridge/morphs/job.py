@@ -21,12 +21,12 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..shape_sources import OBJECTS, shape_sources
-from .animated_inputs import animation_notices
 from .bake import MorphBake
-from .carrying import Carrying
-from .followed_inputs import FOLLOW, followed_inputs, keep_animated
-from .look_mixing import FADE
-from .shape_reading import read_shapes
+from .inputs.animated_inputs import animation_notices
+from .inputs.followed_inputs import FOLLOW, followed_inputs, keep_animated
+from .inputs.shape_reading import read_shapes
+from .looks.carrying import Carrying
+from .looks.look_mixing import FADE
 
 
 class MorphJob:

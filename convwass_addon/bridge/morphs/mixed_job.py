@@ -13,12 +13,12 @@ from ...progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ...sentence import Sentence
 from ..openvdb_module import openvdb_module
 from ..scene_context import in_scene
-from .disk_output import read_files
-from .field_job import FieldJob
-from .field_sampling import SampledFields
+from .disk.disk_output import read_files
+from .fields.field_job import FieldJob
+from .fields.field_sampling import SampledFields
 from .job import MorphJob
 from .morph_request import MorphRequest
-from .player_inputs import can_mix
+from .players.player_inputs import can_mix
 from .stand_ins import stand_ins
 
 # Share of the progress bar for the frames.

@@ -14,13 +14,13 @@ from ...errors import ConvwassError
 from ...progress import drained
 from ..files import checked_target, save_blend
 from ..operator_errors import reason
-from .blend_pad import make_blend_pad
-from .cache_output import as_cache
-from .disk_output import DiskOutput, filled_folder, keep_folder, named_folder
-from .player import make_player
+from .disk.cache_output import as_cache
+from .disk.disk_output import DiskOutput, filled_folder, keep_folder, named_folder
+from .disk.volume_output import as_volume
+from .players.blend_pad import make_blend_pad
+from .players.player import make_player
 from .removal import remove_frames
 from .stored import stored_settings
-from .volume_output import as_volume
 
 PACKED: dict[str, Callable[..., object] | None] = {
     "objects": None,

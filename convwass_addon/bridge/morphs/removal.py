@@ -9,10 +9,10 @@ import bpy
 from ...sentence import Sentence
 from ..unused_data import remove_if_unused, remove_with_data
 from .copied_morphs import separate_copies
-from .disk_output import remove_disk_outputs
-from .hidden_inputs import hidden_only_by, show_again, unfound_notices
-from .kept_materials import carried_materials
-from .materials import drop_unused_groups
+from .disk.disk_output import remove_disk_outputs
+from .inputs.hidden_inputs import hidden_only_by, show_again, unfound_notices
+from .looks.kept_materials import carried_materials
+from .looks.materials import drop_unused_groups
 from .stand_ins import parents_of, remove_stand_ins
 from .stored import frame_objects, release_duplicates
 

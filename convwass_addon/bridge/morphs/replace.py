@@ -14,20 +14,20 @@ from ..keyframes import take_key_times
 from ..objects import take_parent
 from .changes import SIGNATURES_KEY
 from .copied_morphs import separate_copies
-from .disk_output import FOLDER_KEY
-from .hidden_inputs import take_hidden
-from .kept_materials import take_materials
-from .player import refresh_player
-from .player_inputs import is_player
-from .player_slots import changed_slots, restore_slots
-from .rebuilt_pad import rebuild_pad
+from .disk.disk_output import FOLDER_KEY
+from .disk.written_files import WRITTEN_KEY
+from .inputs.hidden_inputs import take_hidden
+from .looks.kept_materials import take_materials
+from .players.player import refresh_player
+from .players.player_inputs import is_player
+from .players.player_slots import changed_slots, restore_slots
+from .players.rebuilt_pad import rebuild_pad
 from .removal import remove_frame_objects
 from .stand_ins import frames_modifier, remove_stand_ins, stand_ins
 from .stored import DIAGNOSTICS_KEY, INDEX_KEY, MORPH_KEY, frame_objects, hidden_frames, release_duplicates
-from .written_files import WRITTEN_KEY
 
 if TYPE_CHECKING:
-    from .field_sampling import SampledFields
+    from .fields.field_sampling import SampledFields
 
 
 def replace_bake(

@@ -9,7 +9,7 @@ import bpy
 from ...errors import ConvwassError
 from ..linked_data import is_linked
 from ..one_mesh.baked_keys import baked_keys
-from .disk_output import read_morph
+from .disk.disk_output import read_morph
 from .stand_ins import shown_morph
 from .stored import FRAMES_KEY, MORPH_KEY, WEIGHTS_KEY, stored_morph
 

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from .disk_output import disk_outputs
-from .player_inputs import is_player
+from .disk.disk_output import disk_outputs
+from .players.player_inputs import is_player
 from .stand_ins import stand_ins
 from .stored import frame_objects
 

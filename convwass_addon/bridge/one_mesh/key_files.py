@@ -28,8 +28,8 @@ from ..files import checked_target
 from ..interrupts import kept_interrupts
 from ..mesh_checks import require_not_edited
 from ..mesh_sequences import mesh_sequences
-from ..morphs.appearance import write_velocity
-from ..morphs.gltf_animation import write_gltf_animation
+from ..morphs.disk.gltf_animation import write_gltf_animation
+from ..morphs.looks.appearance import write_velocity
 from ..objects import evaluated_mesh, take_own_materials
 from ..scene_writing import write_alembic, write_draft, write_usd
 from ..visibility import is_in, shown_objects

@@ -14,9 +14,9 @@ from ...progress import Progress
 from ...sentence import Sentence
 from ..handles import Handle, found
 from ..joined_shapes import has_instances
-from ..morphs.animated_inputs import animation_notices
 from ..morphs.changes import signature, store_signatures
-from ..morphs.hidden_inputs import hide_shapes
+from ..morphs.inputs.animated_inputs import animation_notices
+from ..morphs.inputs.hidden_inputs import hide_shapes
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import store
 from ..object_copies import has_copies

@@ -14,7 +14,7 @@ from mathutils import Vector
 from ...errors import InputError
 from ..keyframes import driver_targets, drivers_of, remove_curve
 from ..mesh_checks import writable_mesh
-from ..morphs.blend_pad import GAP, SIDE, TEXT
+from ..morphs.players.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
 from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_labels, pad_lines
 from .records import key_records

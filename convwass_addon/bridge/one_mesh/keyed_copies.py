@@ -15,7 +15,7 @@ from mathutils import Matrix
 from ..animation_time import returning, show_time
 from ..borrowed_names import borrowed_names
 from ..keyframes import curves_of, interpolate, use_action
-from ..morphs.materials import plain_copy, shows_object_color
+from ..morphs.looks.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, take_own_materials, transform_mesh, unsheared_factors
 from ..scratch_scene import scratch_animation
 from .limiting_groups import anchor_vertices, apply_key_groups

@@ -17,7 +17,7 @@ from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
 from ..element_values import MeshTriangles, vectors_of
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
-from ..morphs.appearance import seen_colors
+from ..morphs.looks.appearance import seen_colors
 from ..scene_colors import srgb_of_scene
 
 

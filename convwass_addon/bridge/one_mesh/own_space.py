@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from ...sentence import Sentence
-from ..morphs.look_groups import GENERATED_TEXTURES
+from ..morphs.looks.look_groups import GENERATED_TEXTURES
 from ..shown_nodes import nodes_of
 from .skinning import armatures
 

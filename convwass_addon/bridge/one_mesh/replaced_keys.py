@@ -10,7 +10,7 @@ import bpy
 
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, drivers_of, ensure_action, remove_curve
-from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden, unfound_notices
+from ..morphs.inputs.hidden_inputs import hidden_only_by, show_again, take_hidden, unfound_notices
 from ..unused_data import remove_mesh, remove_with_data
 from .attached_parts import detach_parts
 from .baked_keys import SWAP_KEY

@@ -19,7 +19,7 @@ from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
 from ...errors import InputError
 from ...geometry.alignment import AlignedMeshes, aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Work
-from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
+from ..morphs.inputs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from ..objects import triangle_mesh
 from ..surfaces import same_vertices

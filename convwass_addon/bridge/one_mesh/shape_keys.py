@@ -14,7 +14,7 @@ from ...errors import InputError
 from ..element_values import write_attribute, write_floats
 from ..keyframes import ensure_action, own_action, take_animation
 from ..morphs.bake import assign_default_material
-from ..morphs.hidden_inputs import HIDDEN_KEY
+from ..morphs.inputs.hidden_inputs import HIDDEN_KEY
 from ..object_names import numbered_names
 from ..render_settings import take_render_settings
 from .carried_properties import custom_properties, read_from_copy, take_properties

@@ -19,7 +19,7 @@ from ...applications.one_mesh.swapped_meshes import SwappedMeshes, swapped_meshe
 from ...errors import InputError
 from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Work
-from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
+from ..morphs.inputs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from .key_basis import KeyBasis
 from .key_job import KeyJob

@@ -22,7 +22,7 @@ from ..files import creatable_folder, create_folder, file_stem
 from ..handles import Handle
 from ..image_files import opaque_pixels
 from ..mesh_checks import writable_mesh
-from ..morphs.disk_output import for_blender
+from ..morphs.disk.disk_output import for_blender
 from ..scene_colors import srgb_of_scene
 from ..unused_data import removed_on_errors
 from .baked_keys import SWAP_KEY

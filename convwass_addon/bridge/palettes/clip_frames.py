@@ -14,7 +14,7 @@ from ...errors import InputError
 from ..handles import Handle
 from ..image_files import image_path
 from ..last_result import last_result
-from ..morphs.disk_output import for_blender
+from ..morphs.disk.disk_output import for_blender
 from ..numbered_files import numbered_paths, split_number, with_number
 from .image_files import FORMATS
 from .image_kinds import RESULT_OF, is_clip, source_of

@@ -18,7 +18,7 @@ from ...applications.whole_paths import whole_path
 from ..image_files import image_path
 from ..keyframes import clear_animation, curves_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
-from ..morphs.disk_output import for_blender
+from ..morphs.disk.disk_output import for_blender
 from ..morphs.stored import FIRST_FRAMES
 from ..node_trees import own_tree
 from ..numbered_files import file_number, split_number, with_number
