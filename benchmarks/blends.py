@@ -24,7 +24,7 @@ from convwass_addon.applications.morphs.volumes import Lattice, voxelized
 from convwass_addon.applications.motions.guides import Guide
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import payloads
 from convwass_addon.transport import barycenter
 

@@ -16,8 +16,8 @@ from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.applications.motions.motion import Motion
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.errors import ConvwassError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.outer_skin import outer_skin
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.outer_skin import outer_skin
 from convwass_addon.schema import setting_of
 
 from .blends import baked_frames

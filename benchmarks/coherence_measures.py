@@ -14,9 +14,9 @@ from mathutils.bvhtree import BVHTree
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.closest_points import ClosestPointFinder, TriangleSamples
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder, TriangleSamples
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from .limb_paths import LimbPath, PosedLimb
 from .rival_measures import Connectivity

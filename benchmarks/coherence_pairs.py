@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from . import bipeds, centaurs, creatures, hands, props, quadrupeds, things
 from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, straight

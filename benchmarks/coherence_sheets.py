@@ -16,7 +16,7 @@ import numpy as np
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.bridge.node_trees import own_tree
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
 from .coherence_cases import read_frames

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from .clock import Clock
 from .coherence_guides import motion_with_guides

@@ -15,11 +15,11 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.geometry.closest_points import ClosestPointFinder, ClosestPoints
-from convwass_addon.geometry.coarsening import coarsened
-from convwass_addon.geometry.laplacian import laplacian
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.surface_graph import surface_graph
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from convwass_addon.geometry.meshes.laplacian import laplacian
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.surface_graph import surface_graph
+from convwass_addon.geometry.remeshing.coarsening import coarsened
 
 from .blends import ASSETS, read_meshes
 

@@ -11,7 +11,7 @@ from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
-from convwass_addon.geometry.fitting import fitted_beziers
+from convwass_addon.geometry.plane.fitting import fitted_beziers
 
 from .clock import Clock
 from .processes import peak_megabytes, run_case

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.preparing import sketchable_problem
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.bridge.objects import write_triangles
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 
 from .blends import ASSETS, read_meshes

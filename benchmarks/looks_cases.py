@@ -23,7 +23,7 @@ from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.looks.carrying import Carrying
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.geometry.uv_charts import uv_sizes
+from convwass_addon.geometry.meshes.uv_charts import uv_sizes
 
 from .look_scenes import (
     add_light,

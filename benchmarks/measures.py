@@ -15,8 +15,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from skimage.measure import find_contours
 
-from convwass_addon.geometry.isosurface import surface_at_level
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.level_sets.isosurface import surface_at_level
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 # Components with a smaller fraction of the volume are crumbs: at 64 cells, a few cells.
 _CRUMB_SHARE = 1e-3

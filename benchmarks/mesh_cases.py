@@ -12,9 +12,9 @@ import numpy as np
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
 from convwass_addon.errors import ConvwassError
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.facing_points import FacingPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.facing_points import FacingPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 
 from .clock import Clock

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.distortion import vertex_distortions
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.weighted_quantile import weighted_quantile
+from convwass_addon.geometry.arrays.weighted_quantile import weighted_quantile
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.distortion import vertex_distortions
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from .coherence_measures import crossing_share
 

@@ -15,11 +15,11 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
-from convwass_addon.geometry.edges import edge_use, topology
-from convwass_addon.geometry.even_surface import even_surface
-from convwass_addon.geometry.isosurface import LevelSurface, surface_enclosing
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.level_sets.even_surface import even_surface
+from convwass_addon.geometry.level_sets.isosurface import LevelSurface, surface_enclosing
+from convwass_addon.geometry.meshes.edges import edge_use, topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.occupancy import occupancy
 from tests.shapes import ball, box, torus
 
 from .blends import ASSETS, read_meshes

@@ -18,7 +18,7 @@ from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.players.player_inputs import detail, interpolation, morph_value
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from .coherence_pairs import HELD_BACK, TUNED, Ends
 from .measures import mean_surface_distance

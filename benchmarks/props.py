@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
-from convwass_addon.geometry.mesh import TriangleMesh, joined_meshes
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.planar_mesh import planar_mesh
-from convwass_addon.geometry.prism import prism
-from convwass_addon.geometry.welding import welded
+from convwass_addon.geometry.meshes.mesh import TriangleMesh, joined_meshes
+from convwass_addon.geometry.meshes.welding import welded
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.remeshing.planar_mesh import planar_mesh
+from convwass_addon.geometry.solids.prism import prism
 
 Points = Sequence[tuple[float, float]]
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.occupancy import occupancy
 from tests.transport.ellipsoids import Ellipsoid, intersection_over_union
 
 from .blends import Pair, baked, density_at, own_surface, read_meshes, surface_at

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.geometry.edges import face_components
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.meshes.edges import face_components
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.occupancy import occupancy
 from convwass_addon.transport import Grid, distance_matrix
 
 # For distances, blocks of cells are summed so that this many remain along the longest side.

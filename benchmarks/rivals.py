@@ -33,9 +33,9 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice, voxelized
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.isosurface import surface_enclosing
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.level_sets.isosurface import surface_enclosing
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import payloads
 
 STEPS = 4

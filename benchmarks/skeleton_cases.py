@@ -23,10 +23,10 @@ from convwass_addon.applications.skeletons.skeleton_layout import LayoutProblem
 from convwass_addon.applications.skeletons.skeleton_links import chains
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.applications.skeletons.skeleton_settling import settled
-from convwass_addon.geometry.edges import vertex_components
-from convwass_addon.geometry.inner_balls import inner_balls
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.solid_angles import winding_numbers
+from convwass_addon.geometry.meshes.edges import vertex_components
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.inner_balls import inner_balls
+from convwass_addon.geometry.solids.solid_angles import winding_numbers
 from convwass_addon.progress import drained
 
 from .meshes import blob

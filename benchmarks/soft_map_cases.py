@@ -18,10 +18,10 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.laplacian import laplacian
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import vertex_normals
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.laplacian import laplacian
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.normals import vertex_normals
 from convwass_addon.progress import drained
 
 from .deformed_pairs import PAIRS, DeformedPair, Geodesics, deformed_pair

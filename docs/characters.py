@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.bridge.studio import world_points
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.uv_pixels import uv_pixels
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.uv_pixels import uv_pixels
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

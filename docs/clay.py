@@ -8,7 +8,7 @@ import bpy
 
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 
 def clay(color: tuple[float, float, float, float]) -> bpy.types.Material:

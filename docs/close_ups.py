@@ -27,7 +27,7 @@ from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.studio import Studio
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

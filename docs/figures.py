@@ -31,7 +31,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.transport import (
     Grid,
     Surface,

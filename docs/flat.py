@@ -23,8 +23,8 @@ from convwass_addon.applications.flat.flat_pieces import filled_by
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends
-from convwass_addon.geometry.coverage import coverage
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.coverage import coverage
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 _PAPER = np.array([0.985, 0.98, 0.965])

@@ -22,8 +22,8 @@ from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
 from convwass_addon.applications.flat.gray_pictures import PictureMaker
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
-from convwass_addon.geometry.coverage import coverage
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.coverage import coverage
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
 
 _PAPER = np.array([0.985, 0.98, 0.965])
 _WORDS = ("MILK", "TOAST")

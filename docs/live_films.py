@@ -16,7 +16,7 @@ from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.live_shapes import LiveShapes
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 
 MOMENTS = 60

@@ -25,7 +25,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.guides import Guide
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
 # Unlike the add-on, the benchmarks are not installed.

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 Shader = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
 """Colors, (p, 3), of values, (p,), and of how much these change from a pixel to the next, (p,)."""

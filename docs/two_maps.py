@@ -20,7 +20,7 @@ from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.applications.soft_maps.surface_maps import SurfaceMap, distribution_of
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 
 def tube(line, radius=0.1, around=12) -> TriangleMesh:

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.props import revolved
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.solids.occupancy import occupancy
 
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 LARGER_CONE = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])

@@ -11,11 +11,11 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from skimage.measure import marching_cubes
 
-from convwass_addon.geometry.edges import face_components
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.planar_mesh import planar_mesh
-from convwass_addon.geometry.prism import prism
+from convwass_addon.geometry.meshes.edges import face_components
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.remeshing.planar_mesh import planar_mesh
+from convwass_addon.geometry.solids.prism import prism
 
 _CUBE = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2)]
 _CUBE += [(1, 3, 7), (1, 7, 5)]

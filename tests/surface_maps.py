@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from convwass_addon.applications.soft_maps.surface_maps import CoarseRows, PointMap, SurfaceMap, VertexInterpolation
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.sentence import Sentence
 
 

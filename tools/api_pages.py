@@ -17,7 +17,7 @@ from pathlib import Path
 
 import convwass_addon
 from convwass_addon import applications, bridge, transport
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from .api_blender import command_pages, operator_pages, scene_pages
 from .api_entries import APPLICATIONS, BRIDGE
@@ -175,7 +175,7 @@ def _written(entries: Iterable[Entry], marks: str = "##") -> list[str]:
 def _application_packages() -> list[str]:
     """Return the applications by package, and the mesh that all of them take."""
     parts = [
-        "## geometry.mesh\n\nThe mesh that all of them take.\n\n",
+        "## geometry.meshes.mesh\n\nThe mesh that all of them take.\n\n",
         *_written([_entry("TriangleMesh", TriangleMesh)], "###"),
     ]
     for name, modules in APPLICATIONS.items():

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError
-from ..geometry.mesh import TriangleMesh
+from ..geometry.meshes.mesh import TriangleMesh
 
 # Up to this length, squares are finite in single precision.
 _FARTHEST = 1e18

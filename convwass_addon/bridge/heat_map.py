@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.polylines import along_polyline
+from ..geometry.plane.polylines import along_polyline
 from .scene_colors import scene_of_srgb
 
 # Perceptually uniform from dark to bright; sRGB.

@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..errors import InputError
-from ..geometry.affine import transformed_points
+from ..geometry.algebra.affine import transformed_points
 from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
 from .node_math import feed, joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute

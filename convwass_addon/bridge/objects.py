@@ -15,9 +15,9 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry.affine import transformed_points
-from ..geometry.mesh import TriangleMesh
-from ..geometry.polygons import Polygons
+from ..geometry.algebra.affine import transformed_points
+from ..geometry.meshes.mesh import TriangleMesh
+from ..geometry.meshes.polygons import Polygons
 from .element_values import element_values, triangle_corners, vectors_of, write_floats
 from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh

@@ -18,7 +18,7 @@ from mathutils import Matrix
 from ..disk_space import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
-from ..geometry.affine import transformed_points
+from ..geometry.algebra.affine import transformed_points
 from .color_spaces import show_unchanged
 from .element_values import element_values
 from .files import checked_target

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.mesh import TriangleMesh
+from ..geometry.meshes.mesh import TriangleMesh
 from .object_names import without_number
 from .surfaces import surface_mesh
 from .vertex_groups import read_groups

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry.affine import transformed_points
-from ..geometry.chunks import chunks
-from ..geometry.mesh import TriangleMesh
+from ..geometry.algebra.affine import transformed_points
+from ..geometry.arrays.chunks import chunks
+from ..geometry.meshes.mesh import TriangleMesh
 from ..sentence import Sentence
 from .element_values import corner_vertices, triangle_corners, vertex_positions
 from .matrix_checks import require_finite

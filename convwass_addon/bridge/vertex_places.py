@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-from ..geometry.affine import transformed_points
+from ..geometry.algebra.affine import transformed_points
 from .element_values import element_values, vectors_of
 
 Point = tuple[float, float, float]

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.products import multiply
+from ..geometry.algebra.products import multiply
 from .surface import Surface
 
 # Kernel entries below this fraction of the largest are set to zero: they would underflow to subnormal float32 numbers,

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.chunks import chunks
+from ..geometry.arrays.chunks import chunks
 from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control, Work, drained, within
 from .checks import check_distributions, check_pair, check_solver

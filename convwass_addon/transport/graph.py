@@ -11,8 +11,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.components import component_labels
-from ..geometry.label_groups import label_groups
+from ..geometry.arrays.components import component_labels
+from ..geometry.arrays.label_groups import label_groups
 from ..sentence import first_names
 
 

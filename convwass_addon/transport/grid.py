@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import map_coordinates
 
-from ..geometry.chunks import chunks
-from ..geometry.coarser_grid import doubled_along
-from ..geometry.products import contract
+from ..geometry.algebra.products import contract
+from ..geometry.arrays.chunks import chunks
+from ..geometry.grids.coarser_grid import doubled_along
 from ..one_line import one_line
 from .gaussian import GaussianKernel
 from .log_lines import log_blur

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..geometry.coarsening import Coarsening, coarsened
-from ..geometry.laplacian import Laplacian, laplacian
-from ..geometry.mesh import TriangleMesh
+from ..geometry.meshes.laplacian import Laplacian, laplacian
+from ..geometry.meshes.mesh import TriangleMesh
+from ..geometry.remeshing.coarsening import Coarsening, coarsened
 from ..progress import UNINTERRUPTED, Control
 
 FEWEST_VERTICES = 8000

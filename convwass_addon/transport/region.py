@@ -11,8 +11,8 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.boxes import Box, box_around
-from ..geometry.dilation import dilated
+from ..geometry.grids.boxes import Box, box_around
+from ..geometry.grids.dilation import dilated
 from .log_range import LOG_NOTHING
 
 

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from ..errors import InputError
-from ..geometry.coarsening import Coarsening, coarsened
-from ..geometry.mirror_planes import MirrorPlanes
+from ..geometry.meshes.mirror_planes import MirrorPlanes
+from ..geometry.remeshing.coarsening import Coarsening, coarsened
 from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
 from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.laplacian import Laplacian
+from ..geometry.meshes.laplacian import Laplacian
 from .checks import check_distribution, check_sharpness
 from .dense_kernel import dense_kernel
 from .graph import PropagationGraph, checked_edge_weights

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.products import multiply
+from ..geometry.algebra.products import multiply
 from .graph import PropagationGraph
 
 # Densities below this are set to zero: they would underflow to subnormal float32 numbers, which are many times slower.

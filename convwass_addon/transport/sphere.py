@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..geometry.coarser_grid import doubled
+from ..geometry.grids.coarser_grid import doubled
 from ..one_line import one_line
 from .domain import KernelTooNarrowError
 from .gaussian import GaussianKernel

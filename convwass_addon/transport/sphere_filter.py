@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.products import contract
+from ..geometry.algebra.products import contract
 from .log_range import NEGLIGIBLE
 
 # Chosen by eye; accuracy and speed of the filter are measured in docs/performance, "Sphere".

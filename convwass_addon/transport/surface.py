@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import diags_array
 
-from ..geometry.chunks import chunks
-from ..geometry.edges import vertex_components
-from ..geometry.factorization import Factorization, factorize
-from ..geometry.mesh import TriangleMesh
+from ..geometry.algebra.factorization import Factorization, factorize
+from ..geometry.arrays.chunks import chunks
+from ..geometry.meshes.edges import vertex_components
+from ..geometry.meshes.mesh import TriangleMesh
 from ..one_line import one_line
 from ..progress import UNINTERRUPTED, Control
 from .domain import KernelTooNarrowError

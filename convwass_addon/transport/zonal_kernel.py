@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..geometry.products import contract
+from ..geometry.algebra.products import contract
 from .log_range import NEGLIGIBLE
 
 # Chosen by eye; the costs of the kernel are measured in docs/performance, "Sphere".

@@ -17,9 +17,9 @@ from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.applications.outlines import limb_motion, moved_sheets
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
-from convwass_addon.geometry import subdivision
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.remeshing import subdivision
 
 
 @contextmanager

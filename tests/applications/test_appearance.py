@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.appearance import Appearance, Painted, Plain, Textured, carried
-from convwass_addon.geometry.closest_points import ClosestPoints
+from convwass_addon.geometry.meshes.closest_points import ClosestPoints
 from tests.shapes import ball, box
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)

@@ -22,8 +22,8 @@ from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.progress import drained
 from tests.shapes import ball, box, joined
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.carried_uvs import UvMap, home_triangles
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.uv_charts import chart_labels, uv_sizes
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.uv_charts import chart_labels, uv_sizes
 from tests.applications.maps import subdivided, tube
 from tests.shapes import ball, box
 

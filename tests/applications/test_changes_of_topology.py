@@ -23,7 +23,7 @@ from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, payloads
 from tests.shapes import ball, box, joined, torus
 from tests.stored_frames import assert_as_stored

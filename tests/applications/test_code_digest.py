@@ -25,7 +25,7 @@ from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 shape = TriangleMesh.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 2, 1]])
 inputs = MorphInputs.of([shape, shape], ["a", "b"])
@@ -68,7 +68,7 @@ def test_the_digest_is_of_this_code(copied):
 
 
 @pytest.mark.parametrize(
-    "changed", ["transport/grid.py", "geometry/mending.py", "applications/morphs/volumes.py", "progress.py"]
+    "changed", ["transport/grid.py", "geometry/level_sets/mending.py", "applications/morphs/volumes.py", "progress.py"]
 )
 def test_a_byte_anywhere_changes_it(copied, changed):
     change_one_byte(copied / changed)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
-from convwass_addon.geometry.contours import outline_enclosing
-from convwass_addon.geometry.even_surface import even_surface
-from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
-from convwass_addon.geometry.normals import vertex_normals
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.level_sets.contours import outline_enclosing
+from convwass_addon.geometry.level_sets.even_surface import even_surface
+from convwass_addon.geometry.level_sets.isosurface import surface_at_level, surface_enclosing
+from convwass_addon.geometry.meshes.normals import vertex_normals
+from convwass_addon.geometry.solids.occupancy import occupancy
 from tests.shapes import ball
 
 CENTER = np.array([20.3, 19.7, 20.1])

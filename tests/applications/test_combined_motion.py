@@ -14,7 +14,7 @@ from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.applications.motions.warp_motion import WarpEffort
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball
 

@@ -15,8 +15,8 @@ from convwass_addon.applications.soft_maps.compatibility import comparison
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.shape_descriptors import differences, shape_descriptors
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.unit_shape import UnitShape
+from convwass_addon.geometry.deformation.unit_shape import UnitShape
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.grids import figure, sheet
 from tests.shapes import ball, bent, box, joined, square, torus
 

@@ -13,7 +13,7 @@ from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.preparing import prepared_problem
-from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
 from convwass_addon.progress import drained
 from tests.shapes import ball, joined
 

@@ -17,7 +17,7 @@ from convwass_addon.applications.densities.density_paths import interpolation_st
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.applications.densities.vertex_distances import distances_from
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
 SHAPES = Path(__file__).parents[2] / "assets" / "shapes"

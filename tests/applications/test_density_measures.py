@@ -12,7 +12,7 @@ from convwass_addon.applications.densities.density_measures import (
 )
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 from tests.applications.test_density_pieces import BALLS, on
 from tests.controls import CountingControl, recorded

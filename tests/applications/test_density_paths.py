@@ -16,7 +16,7 @@ from convwass_addon.applications.densities.density_paths import blend_steps, int
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.errors import Cancelled, InputError, ResourceError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 from convwass_addon.transport import bisect
 from convwass_addon.transport.sharpening import entropy

@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from convwass_addon.applications.densities.density_pieces import on_same_pieces, piece
 from convwass_addon.applications.densities.surface_densities import density_surface, distribution
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.transport.pieces import piece_masses
 from tests.shapes import ball, joined
 from tests.transport.spheres import icosphere

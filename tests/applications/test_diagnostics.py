@@ -20,7 +20,7 @@ from convwass_addon.applications.morphs.diagnostics import (
 )
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.thin_shapes import thin_parts, wall_share
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.solids.occupancy import occupancy
 
 from ..shapes import ball, box, joined
 

@@ -16,10 +16,10 @@ from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mending import Connectivity
-from convwass_addon.geometry.occupancy import occupancy
-from convwass_addon.geometry.surface_bounds import SurfaceBounds
+from convwass_addon.geometry.level_sets.mending import Connectivity
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.solids.occupancy import occupancy
+from convwass_addon.geometry.solids.surface_bounds import SurfaceBounds
 from tests.shapes import ball, box, joined, piece_count, torus
 
 ASSETS = Path(__file__).parents[2] / "assets" / "shapes"

@@ -17,8 +17,8 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.extruded_motion import extruded_motion
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
 from tests.flat_shapes import ellipse, rectangle

@@ -10,10 +10,10 @@ import pytest
 from benchmarks.props import bottle, revolved, vase
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.occupancy import occupancy
-from convwass_addon.geometry.orientation import orient_outward
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.occupancy import occupancy
+from convwass_addon.geometry.solids.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
 from tests.revolutions import BOWL, asideness, floor

@@ -15,8 +15,8 @@ from convwass_addon.applications.flat.gray_images import regraded
 from convwass_addon.applications.flat.letters import letters_of, matched_letters
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.coverage import coverage
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.coverage import coverage
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
 from tests.controls import CountingControl
 from tests.flat_shapes import ellipse, rectangle
 

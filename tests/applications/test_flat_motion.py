@@ -17,10 +17,10 @@ from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.outlines.sheets import Sheet
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.closed_curves import ClosedCurve
-from convwass_addon.geometry.coverage import coverage
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import boundary_rings
+from convwass_addon.geometry.plane.closed_curves import ClosedCurve
+from convwass_addon.geometry.plane.coverage import coverage
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps, coarse_outlines
 from tests.flat_shapes import ellipse, rectangle

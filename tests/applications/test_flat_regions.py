@@ -11,7 +11,7 @@ from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
 from tests.flat_shapes import ellipse, rectangle
 
 SETTINGS = FlatSettings(resolution=128, motion="transport")

@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.one_mesh.followed_surfaces import Moment, followed, turned_around
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, torus

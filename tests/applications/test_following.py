@@ -28,10 +28,10 @@ from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.motions.shape_deformations import split_deformation
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.connectivity import Connectivity
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.remeshing.subdivision import with_short_edges
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.shapes import ball, box, torus
 

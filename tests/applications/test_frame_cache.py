@@ -32,7 +32,7 @@ from convwass_addon.applications.morphs.surface_steps import MeasuredSurface, fa
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.array_files import array_bytes
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
-from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
 from convwass_addon.progress import UNINTERRUPTED
 from tests.controls import ConditionalControl
 from tests.shapes import ball, box

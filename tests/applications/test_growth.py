@@ -12,7 +12,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import payloads
 from tests.applications.maps import coarse_maps
 from tests.shapes import ball

@@ -11,10 +11,10 @@ from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.hole_openings import surplus_holes, with_open_holes
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
-from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
-from convwass_addon.geometry.outlines import ring_area
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import boundary_rings
+from convwass_addon.geometry.plane.closed_curves import ClosedCurve, boundary_of, opened_curve
+from convwass_addon.geometry.plane.outlines import ring_area
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED
 from tests.applications.maps import coarse_outlines
 from tests.flat_shapes import ellipse, rectangle

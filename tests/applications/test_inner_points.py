@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.applications.skeletons.inner_points import InnerPointFinder
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.solid_angles import winding_numbers
+from convwass_addon.geometry.solids.solid_angles import winding_numbers
 from tests.shapes import ball, box, joined, square, torus
 
 

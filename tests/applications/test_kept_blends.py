@@ -20,7 +20,7 @@ from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.resting_problem import RestingProblem
 from convwass_addon.applications.morphs.runs import as_solved
 from convwass_addon.applications.morphs.solving_again import again_in_threads
-from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball, box
 

@@ -15,7 +15,7 @@ from convwass_addon.applications.densities.surface_densities import density_surf
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.solids.occupancy import occupancy
 from convwass_addon.progress import UNINTERRUPTED
 from convwass_addon.transport import mesh_levels
 from tests.controls import CountingControl, recorded

@@ -8,7 +8,7 @@ import pytest
 from convwass_addon.applications.soft_maps.guessed_pairs import guessed_pairs
 from convwass_addon.applications.soft_maps.map_pieces import faces_of, matched_pieces, part_of
 from convwass_addon.applications.soft_maps.map_sides import MapSide
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.maps import exact_map, turn, without_points
 from tests.shapes import ball, box, joined, torus
 

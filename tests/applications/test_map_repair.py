@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.applications.soft_maps.map_repair import repaired_map, repaired_points
 from convwass_addon.applications.soft_maps.surface_maps import SurfaceMap
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.maps import arm, exact_map, turn
 from tests.shapes import joined, torus
 

@@ -11,7 +11,7 @@ from convwass_addon.applications.soft_maps.mirror_maps import mirror_map_steps, 
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.applications.soft_maps.transfer_shapes import ShapeCarrier
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 from tests.applications.maps import turn
 from tests.applications.test_soft_maps import ends

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from tests.shapes import torus
 
 PLANE = MirrorPlane(np.zeros(3), np.array([1.0, 0.0, 0.0]))

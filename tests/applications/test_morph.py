@@ -22,9 +22,9 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import Cancelled, InputError, ResourceError
-from convwass_addon.geometry.alignment import aligned
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.alignment import aligned
 from convwass_addon.progress import UNINTERRUPTED, drained
 from convwass_addon.sentence import Sentence
 from tests.controls import CountingControl, cancelled_control

@@ -16,8 +16,8 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions import motion_memory
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 from tests.applications.maps import arm, coarse_maps
 from tests.shapes import ball, shuffled, torus

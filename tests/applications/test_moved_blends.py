@@ -19,8 +19,8 @@ from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.runs import as_solved
 from convwass_addon.applications.morphs.solving_again import again_in_threads
 from convwass_addon.applications.motions.motion import MovedShape
-from convwass_addon.geometry.connectivity import Connectivity
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball
 

@@ -12,8 +12,8 @@ from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.motions.motion import MovedShape
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball, box, turned
 

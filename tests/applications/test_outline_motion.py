@@ -19,11 +19,11 @@ from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import KnownMatches, matched_shapes
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.sliding_outlines import least_effort
-from convwass_addon.geometry.coverage import coverage, self_overlap
-from convwass_addon.geometry.curve_maps import even_map
-from convwass_addon.geometry.outlines import ring_area
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import boundary_rings
+from convwass_addon.geometry.plane.coverage import coverage, self_overlap
+from convwass_addon.geometry.plane.curve_maps import even_map
+from convwass_addon.geometry.plane.outlines import ring_area
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED
 from tests.applications.maps import coarse_outlines
 from tests.flat_shapes import ellipse, rectangle

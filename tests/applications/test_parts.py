@@ -20,8 +20,8 @@ from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, 
 from convwass_addon.applications.morphs.parts import joined, nearest_labels, part_volumes
 from convwass_addon.applications.morphs.volumes import Lattice, fitting_workers
 from convwass_addon.errors import InputError, ResourceError
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.solids.occupancy import occupancy
 from tests.shapes import ball, box, joined as one_mesh, torus
 
 QUICK = MorphSettings(motion="transport", resolution=48)

@@ -18,8 +18,8 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import Matching
 from convwass_addon.applications.morphs.plated_shapes import with_plates
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import payloads
 from tests.grids import sheet
 from tests.shapes import ball, joined, turned

@@ -12,9 +12,9 @@ from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import vanishing_share
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.region_counts import with_equal_counts
-from convwass_addon.geometry.closed_curves import boundary_of
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import outline_of
+from convwass_addon.geometry.plane.closed_curves import boundary_of
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.plane.ring_nesting import outline_of
 from convwass_addon.progress import UNINTERRUPTED
 from tests.flat_shapes import ellipse, rectangle
 

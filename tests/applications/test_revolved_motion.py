@@ -11,10 +11,10 @@ from benchmarks.props import revolved, smooth, vase, wine_glass
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import motion_with_parts, revolved_motion
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import triangle_normals
-from convwass_addon.geometry.revolved_bodies import common_revolved_bodies
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.normals import triangle_normals
+from convwass_addon.geometry.recognition.revolved_bodies import common_revolved_bodies
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
 from tests.applications.motions.test_known_motions import known_motion

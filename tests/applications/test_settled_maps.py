@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.soft_maps.settled_maps import settled
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED
 from tests.applications.maps import turn
 from tests.shapes import ball

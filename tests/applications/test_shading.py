@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.shading import Shading, frame_normals
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import triangle_normals, vertex_normals
-from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.normals import triangle_normals, vertex_normals
+from convwass_addon.geometry.remeshing.subdivision import with_short_edges
 from tests.shapes import ball, box
 
 TURN = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.shape_check import check_shape
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 from ..shapes import ball, box, joined, square, torus, with_faces
 

@@ -18,7 +18,7 @@ from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
 from convwass_addon.applications.skeletons.skeleton_links import Links, chains
 from convwass_addon.applications.skeletons.skeleton_settings import SkeletonSettings
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.controls import cancelled_control, recorded
 from tests.line_tubes import tube
 from tests.shapes import box, joined, square, torus, with_faces

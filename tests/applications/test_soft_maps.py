@@ -17,7 +17,7 @@ from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.applications.soft_maps.surface_maps import distribution_of
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.maps import arm, subdivided, tube, turn
 from tests.applications.test_densities_on_animals import horse
 from tests.controls import CountingControl, recorded

@@ -12,8 +12,8 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.solids.occupancy import occupancy
 from tests.shapes import ball, box, joined, torus
 
 FRAMES = 100

@@ -18,7 +18,7 @@ from convwass_addon.applications.flat.steady_frames import steady_frames
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.moved_room import Room
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.outlines import FlatRegion, Outline
+from convwass_addon.geometry.plane.outlines import FlatRegion, Outline
 from tests.controls import CountingControl
 from tests.flat_shapes import ellipse, rectangle
 

@@ -9,7 +9,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.steady_topology import SteadyTopology, legs_of
-from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
 
 BLENDS = path_blends(2, 6)
 RINGS = Connectivity(1, 1, 0)

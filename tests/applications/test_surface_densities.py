@@ -17,7 +17,7 @@ from convwass_addon.applications.densities.surface_densities import (
     heat_map,
 )
 from convwass_addon.errors import InputError, ResourceError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.transport.sheets import sheet_mesh
 from tests.transport.spheres import icosphere
 

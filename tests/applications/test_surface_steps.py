@@ -8,7 +8,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.steady_topology import legs_of
 from convwass_addon.applications.morphs.surface_steps import MeasuredSurface, SurfaceSteps, farthest
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, box, joined
 
 BLENDS = path_blends(2, 12)

@@ -16,8 +16,8 @@ from convwass_addon.applications.one_mesh import swapped_meshes as module
 from convwass_addon.applications.one_mesh.followed_surfaces import turned_around
 from convwass_addon.applications.one_mesh.swapped_meshes import swapped_meshes
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.visible_gap import VisibleGap
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.visible_gap import VisibleGap
 from convwass_addon.progress import UNINTERRUPTED, Control, Progress, drained
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, torus

@@ -20,11 +20,11 @@ from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.thickened_parts import WIDTH, ThickenedParts
 from convwass_addon.applications.motions.motion import MovedShape
-from convwass_addon.geometry.closest_points import ClosestPointFinder, TriangleSamples
-from convwass_addon.geometry.connectivity import Connectivity
-from convwass_addon.geometry.isosurface import surface_at_level
-from convwass_addon.geometry.occupancy import occupancy
-from convwass_addon.geometry.thin_spans import ThinSpans
+from convwass_addon.geometry.level_sets.connectivity import Connectivity
+from convwass_addon.geometry.level_sets.isosurface import surface_at_level
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder, TriangleSamples
+from convwass_addon.geometry.solids.occupancy import occupancy
+from convwass_addon.geometry.solids.thin_spans import ThinSpans
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball, box, joined, rotated, torus, turned
 

@@ -7,7 +7,7 @@ import pytest
 
 from convwass_addon.applications.soft_maps.transfer_shapes import ShapeCarrier
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.maps import arm, exact_map, subdivided, turn, without_points
 from tests.shapes import box, joined, torus
 

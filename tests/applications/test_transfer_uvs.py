@@ -7,8 +7,8 @@ import pytest
 
 from convwass_addon.applications.soft_maps.transfer_uvs import transferred_uvs
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.uv_charts import chart_labels, uv_sizes
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.uv_charts import chart_labels, uv_sizes
 from tests.applications.maps import exact_map, subdivided, tube, without_points
 from tests.shapes import box, joined
 

@@ -19,9 +19,9 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.tube_motion import tube_motion
-from convwass_addon.geometry.center_lines import sliced_tube
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.polylines import along_polyline, arc_lengths
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.plane.polylines import along_polyline, arc_lengths
+from convwass_addon.geometry.recognition.center_lines import sliced_tube
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.line_tubes import helix, straight, tube
 from tests.shapes import ball

@@ -23,11 +23,11 @@ from convwass_addon.applications.outlines.outline_pairs import KnownMatches
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.vanishing_limbs import shape_bodies
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
-from convwass_addon.geometry.edges import topology, vertex_components
-from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.planar_mesh import planar_mesh
+from convwass_addon.geometry.meshes.edges import topology, vertex_components
+from convwass_addon.geometry.plane.closed_curves import ClosedCurve, boundary_of
+from convwass_addon.geometry.plane.outline_limbs import outline_limbs, without_limb
+from convwass_addon.geometry.plane.planar_fill import filled_boundary
+from convwass_addon.geometry.remeshing.planar_mesh import planar_mesh
 from convwass_addon.progress import UNINTERRUPTED, Control
 from tests.applications.maps import coarse_outlines
 from tests.flat_shapes import rectangle

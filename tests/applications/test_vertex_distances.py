@@ -9,7 +9,7 @@ from convwass_addon.applications.densities.density_measures import MEASURING_SUB
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.applications.densities.vertex_distances import distances_from
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.test_density_pieces import BALLS
 from tests.controls import cancelled_control
 from tests.transport.sheets import strip

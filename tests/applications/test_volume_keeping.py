@@ -15,7 +15,7 @@ from convwass_addon.applications.one_mesh.volume_keeping import (
     with_even_volume,
 )
 from convwass_addon.applications.one_mesh.volume_on_pieces import KeepVolume
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, square, torus

@@ -11,7 +11,7 @@ import pytest
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, Progress, drained
 from tests.shapes import ball, box, joined, square, torus, with_faces
 

@@ -19,8 +19,8 @@ from convwass_addon.bridge.morphs.looks.dropped_appearance import dropped_notes,
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import frozen_copy
-from convwass_addon.geometry.closest_points import ClosestPoints
-from convwass_addon.geometry.normals import triangle_normals
+from convwass_addon.geometry.meshes.closest_points import ClosestPoints
+from convwass_addon.geometry.meshes.normals import triangle_normals
 from tests.shapes import ball, box, joined
 
 RED, GREEN, BLUE, WHITE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1), (1, 1, 1, 1)

@@ -28,7 +28,7 @@ from convwass_addon.bridge.morphs.stored import (
 )
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError, InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 SETTINGS = {"frames": 4, "resolution": 64, "sharpness": None, "weights": [0.5, 0.5], "level": "volume"}
 RECORD = {"iterations": 12, "converged": True, "error": 1e-3, "ratio": float("nan"), "history": [1.0, 2.0]}

@@ -11,7 +11,7 @@ from convwass_addon.bridge.morphs.fields.field_sampling import closed_surface, s
 from convwass_addon.bridge.morphs.fields.stored_fields import BAND
 from convwass_addon.bridge.openvdb_module import openvdb_module
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control
 from tests.shapes import ball, joined
 

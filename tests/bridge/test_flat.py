@@ -29,8 +29,8 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.fitting import fitted_beziers
-from convwass_addon.geometry.outlines import FlatRegion, Outline
+from convwass_addon.geometry.plane.fitting import fitted_beziers
+from convwass_addon.geometry.plane.outlines import FlatRegion, Outline
 from convwass_addon.progress import Control
 from tests.scene import linked
 

@@ -10,8 +10,8 @@ import pytest
 
 from convwass_addon.bridge.flat.flat_curves import write_curves
 from convwass_addon.bridge.flat.flat_rings import CurveStyle
-from convwass_addon.geometry.fitting import BezierRing
-from convwass_addon.geometry.outlines import ring_area
+from convwass_addon.geometry.plane.fitting import BezierRing
+from convwass_addon.geometry.plane.outlines import ring_area
 
 
 def dumbbell(half_width, count, seed):

@@ -15,7 +15,7 @@ from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.sequence import frame_group
 from convwass_addon.bridge.shape_sources import shape_source
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.affine import transformed_points
+from convwass_addon.geometry.algebra.affine import transformed_points
 from tests.scene import linked
 
 OCTAHEDRON = 4 / 3

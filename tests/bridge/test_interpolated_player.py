@@ -27,7 +27,7 @@ from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 from tests.moving_balls import CELLS, FIRST, FRAMES, TRAVEL, bake
 from tests.shapes import ball, box, joined

@@ -22,8 +22,8 @@ from convwass_addon.bridge.live.running import running_live
 from convwass_addon.bridge.objects import write_triangles
 from convwass_addon.bridge.shape_sources import ShapeSource
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.plates import Plates
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids.plates import Plates
 from tests.grids import sheet
 from tests.linked_objects import linked_object
 from tests.searches import counted_searches

@@ -17,8 +17,8 @@ from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.bridge.uv_maps import read_uvs
 from convwass_addon.bridge.vertex_groups import read_group
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.edges import topology
 from tests.rigs import bend_by_two_bones
 from tests.scene import select_only, world
 

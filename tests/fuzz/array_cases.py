@@ -33,7 +33,7 @@ from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.map_solving import soft_map_steps
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.errors import ConvwassError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, Control, drained, payloads
 from tests.flat_shapes import ellipse
 from tests.shapes import ball

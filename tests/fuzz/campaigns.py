@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.fuzz import array_cases, file_cases
 from tests.fuzz.corpus import broken_images, broken_meshes, broken_rings
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.flat_shapes import ellipse, star
 from tests.shapes import ball, box, joined, square, torus, with_faces
 

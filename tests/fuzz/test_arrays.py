@@ -9,8 +9,8 @@ import pytest
 
 from convwass_addon.applications.skeletons import skeleton_bodies
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.edges import topology
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.edges import topology
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.controls import CountingControl
 from tests.fuzz.array_cases import (
     ON_MESHES,

@@ -14,7 +14,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh.records import RECORD_KEY
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
-from convwass_addon.geometry.attachment import Attachment
+from convwass_addon.geometry.deformation.attachment import Attachment
 from convwass_addon.operators.attached_parts import CONVWASS_OT_attach_parts
 from tests.operators.running import ESCAPE, Pressed, started, until, wait_for_the_thread, window_context
 from tests.scene import select_only, world

@@ -15,7 +15,7 @@ from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.inputs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
-from convwass_addon.geometry.affine import transformed_points
+from convwass_addon.geometry.algebra.affine import transformed_points
 from tests.linked_objects import linked_to_new_file
 from tests.operators.morphs import add, baked_morph, census, guide_coarsely, two_shapes
 from tests.panels.fake_layout import FakeLayout

@@ -115,6 +115,20 @@ MAY_IMPORT = {
 }
 """For each module or subpackage of the add-on, the others that it may import."""
 
+GEOMETRY = (
+    "arrays",
+    "algebra",
+    "plane",
+    "grids",
+    "meshes",
+    "remeshing",
+    "level_sets",
+    "solids",
+    "recognition",
+    "deformation",
+)
+"""The packages of geometry/; each may import those before it."""
+
 WITHOUT_BLENDER = (
     "array_files",
     "disk_space",
@@ -197,6 +211,34 @@ def test_imports_point_one_way():
 )
 def test_violations_are_found(package, name):
     assert complaint(package, name)
+
+
+def geometry_complaint(module: str, name: str) -> str | None:
+    """Return why a module of geometry/ may not import `name`, or None if it may."""
+    package, imported = (Path(path).parts[1] for path in (module, name))
+    if GEOMETRY.index(imported) > GEOMETRY.index(package):
+        return f"geometry/{package} may not import geometry/{imported}"
+    return None
+
+
+def test_all_packages_of_geometry_are_covered():
+    assert {path.name for path in (PACKAGE / "geometry").iterdir() if any(path.glob("*.py"))} == set(GEOMETRY)
+
+
+def test_imports_within_geometry_point_one_way():
+    found = [
+        f"{module}:{line}: {wrong}"
+        for module in modules()
+        if package_of(module) == "geometry" and module != "geometry/__init__.py"
+        for line, name in imports_of(module)
+        if name.startswith("./geometry/") and (wrong := geometry_complaint(module, name.removeprefix("./")))
+    ]
+    assert found == []
+
+
+def test_violations_within_geometry_are_found():
+    assert geometry_complaint("geometry/arrays/chunks.py", "geometry/meshes/mesh/TriangleMesh")
+    assert geometry_complaint("geometry/meshes/edges.py", "geometry/meshes/mesh/TriangleMesh") is None
 
 
 def imported_modules(module: str) -> set[str]:

@@ -15,7 +15,7 @@ from benchmarks import (
 )
 from benchmarks.coherence_cases import Bake, held, passage, read_frames
 from benchmarks.coherence_pairs import Ends
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from tests.shapes import ball
 
 

@@ -24,7 +24,7 @@ from benchmarks.coherence_measures import (
 from benchmarks.coherence_pairs import pairs_named
 from benchmarks.limb_paths import LimbPath, turned
 from benchmarks.sculptures import Sculpture
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, box, joined, torus
 
 TIMES = np.linspace(0.0, 1.0, 5)

@@ -12,7 +12,7 @@ from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, PROPS,
 from benchmarks.rival_measures import Connectivity
 from benchmarks.skinning import skinned
 from convwass_addon.applications.motions.corresponding_vertices import vertices_correspond
-from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.meshes.edges import topology
 from tests.shapes import box
 
 

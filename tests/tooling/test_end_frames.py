@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.end_frames import EndLoss
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball
 
 

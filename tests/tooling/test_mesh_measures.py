@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.mesh_cases import shrinkwrapped
 from benchmarks.mesh_measures import MeshFigures, PlayedKeys, median_stretch, volume_error
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 
 

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.transport import Surface
 
 _GOLDEN = (1 + 5**0.5) / 2

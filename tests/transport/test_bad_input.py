@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import transport
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.transport import (
     Grid,
     Inputs,

@@ -9,13 +9,7 @@ import pytest
 import scipy.optimize
 
 from convwass_addon.errors import Cancelled
-from convwass_addon.transport import (
-    Grid,
-    barycenter,
-    barycentric_coordinates,
-    distance,
-    nearest_barycenter,
-)
+from convwass_addon.transport import Grid, barycenter, barycentric_coordinates, distance, nearest_barycenter
 from tests.controls import CountingControl
 from tests.transport.gaussians import gaussian
 

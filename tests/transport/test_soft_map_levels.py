@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.transport import (
     SoftMapSweeps,
     SourceEdges,

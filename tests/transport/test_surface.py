@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.transport import KernelTooNarrowError, Surface, barycenter, distance, point_distances
 from convwass_addon.transport.log_range import LOG_NOTHING
 from tests.shapes import ball, box, joined, torus, with_faces

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 LEG, BEND, RADIUS = 2.0, 0.25, 0.15
 """Length of the legs, radius of the bend, and radius of the tube: the gap between the legs is 0.2 wide."""

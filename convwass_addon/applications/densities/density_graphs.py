@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.components import component_labels
+from ...geometry.arrays.components import component_labels
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence, first_names
 from ...transport import Surface

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from ...errors import ResourceError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ...transport import Surface
 from .. import memory
 

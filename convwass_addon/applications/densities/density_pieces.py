@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
 from ...transport import Surface
 from ...transport.pieces import piece_masses
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...geometry.chunks import chunks
+from ...geometry.arrays.chunks import chunks
 from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import Surface, point_distances

@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.flat_mending import FlatMending
+from ...geometry.level_sets.flat_mending import FlatMending
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import BlendSolver, SolvedBlend
 from ..morphs.blending import HandOver

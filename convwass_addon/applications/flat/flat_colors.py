@@ -12,8 +12,8 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.integer_ranges import integer_ranges
-from ...geometry.planar_fill import Boundary
+from ...geometry.arrays.integer_ranges import integer_ranges
+from ...geometry.plane.planar_fill import Boundary
 from .flat_frames import FlatFrame
 from .flat_pieces import filled_layer, layers_of
 from .flat_shapes import FlatImage, FlatInput, FlatShape

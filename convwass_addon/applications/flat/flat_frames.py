@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.outlines import Outline
+from ...geometry.plane.outlines import Outline
 from ...one_line import one_line
 from ..morphs.layouts import Blend
 from .flat_origins import FlatOrigins, MovedOrigins

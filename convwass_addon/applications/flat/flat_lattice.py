@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.coverage import coverage
-from ...geometry.outlines import Outline
-from ...geometry.planar_fill import Boundary
+from ...geometry.plane.coverage import coverage
+from ...geometry.plane.outlines import Outline
+from ...geometry.plane.planar_fill import Boundary
 from ..memory import available_memory
 from ..morphs.centered_grid import CenteredGrid
 from .flat_pieces import FlatPieces

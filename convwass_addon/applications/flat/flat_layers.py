@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
-from ...geometry.coverage import coverage
+from ...geometry.plane.coverage import coverage
 from .flat_lattice import FlatLattice
 from .flat_pieces import filled_layer, layers_of
 from .flat_shapes import FlatImage, FlatInput

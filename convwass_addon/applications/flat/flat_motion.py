@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.planar_fill import Boundary
+from ...geometry.plane.planar_fill import Boundary
 from ...progress import Control, Progress, Work, as_part
 from ...sentence import Sentence
 from ..morphs.layouts import Blend, pairs_of

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...geometry.contours import LevelOutline, outline_at_level, outline_enclosing
-from ...geometry.flat_mending import FlatConnectivity, FlatMending, mended_outline
+from ...geometry.level_sets.contours import LevelOutline, outline_at_level, outline_enclosing
+from ...geometry.level_sets.flat_mending import FlatConnectivity, FlatMending, mended_outline
 from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.merging import typical_density
 from .flat_settings import FlatSettings

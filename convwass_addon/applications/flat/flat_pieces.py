@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.bounds import common_bounds
-from ...geometry.coverage import coverage
-from ...geometry.pixels import means_in_cells
-from ...geometry.planar_fill import Boundary, filled_boundary
+from ...geometry.arrays.bounds import common_bounds
+from ...geometry.plane.coverage import coverage
+from ...geometry.plane.pixels import means_in_cells
+from ...geometry.plane.planar_fill import Boundary, filled_boundary
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
 # A shape that fills less of the square around it than this fraction is a line.

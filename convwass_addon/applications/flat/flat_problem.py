@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.flat_mending import FlatConnectivity
-from ...geometry.outlines import Outline
+from ...geometry.level_sets.flat_mending import FlatConnectivity
+from ...geometry.plane.outlines import Outline
 from ..morphs.interpolated_volumes import interpolated_volumes
 from ..morphs.layouts import Blend
 from ..morphs.parts import SplitShapes

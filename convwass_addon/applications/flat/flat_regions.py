@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 
 from ...errors import InputError
-from ...geometry.contours import outline_at_level
-from ...geometry.flat_mending import FlatMending
-from ...geometry.outlines import Outline, ring_area
+from ...geometry.level_sets.contours import outline_at_level
+from ...geometry.level_sets.flat_mending import FlatMending
+from ...geometry.plane.outlines import Outline, ring_area
 from ..morphs.layouts import Blend
 from .flat_frames import ColoredOutline
 from .flat_origins import FlatOrigins, MovedOrigins

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.outlines import Rule
+from ...geometry.plane.outlines import Rule
 from ...one_line import one_line
 
 # Squares of lengths up to this are finite in single precision.

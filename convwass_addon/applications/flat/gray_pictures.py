@@ -11,8 +11,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.coverage import coverage
-from ...geometry.planar_fill import filled_boundary
+from ...geometry.plane.coverage import coverage
+from ...geometry.plane.planar_fill import filled_boundary
 from .flat_colors import carried_colors
 from .flat_frames import FlatDensity, FlatFrame
 from .flat_shapes import FlatInput

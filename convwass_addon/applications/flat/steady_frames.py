@@ -13,10 +13,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from ...errors import InputError
-from ...geometry.contours import outline_enclosing
-from ...geometry.flat_mending import FlatConnectivity, FlatMending
-from ...geometry.outlines import Outline
-from ...geometry.planar_fill import filled_boundary
+from ...geometry.level_sets.contours import outline_enclosing
+from ...geometry.level_sets.flat_mending import FlatConnectivity, FlatMending
+from ...geometry.plane.outlines import Outline
+from ...geometry.plane.planar_fill import filled_boundary
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.coinciding_solids import CoincidingSolids
 from .flat_blending import finished_frame

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
-from ...geometry.bounds import bounds_of, common_bounds
+from ...geometry.arrays.bounds import bounds_of, common_bounds
 from ...one_line import one_line
 
 CELL = 2

@@ -13,9 +13,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.grid_resampling import resampled
-from ...geometry.isosurface import level_enclosing, surface_enclosing
-from ...geometry.mesh import TriangleMesh
+from ...geometry.grids.grid_resampling import resampled
+from ...geometry.level_sets.isosurface import level_enclosing, surface_enclosing
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import ALONE, BlendSolver, SolvedBlend
 from ..morphs.extraction import LevelDensity, estimated_level_density, level_density

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.bounds import common_bounds
-from ...geometry.boxes import bounding_box, padded_box
-from ...geometry.marching_cubes import marching_cubes
-from ...geometry.mesh import TriangleMesh
+from ...geometry.arrays.bounds import common_bounds
+from ...geometry.grids.boxes import bounding_box, padded_box
+from ...geometry.level_sets.marching_cubes import marching_cubes
+from ...geometry.meshes.mesh import TriangleMesh
 from ...one_line import one_line
 from .color_fields import ColorField, mixed_colors
 

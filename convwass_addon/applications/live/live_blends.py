@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import Cancelled, InputError, ResourceError
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.orientation import orient_outward
 from ...progress import Control, Progress, Result, Work, within
 from ...sentence import Sentence
 from ..morphs.extraction import estimated_level_density

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ..morphs.appearance import Appearance
 from ..morphs.morph_inputs import MorphInputs
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.spread_points import spread_points
+from ...geometry.meshes.spread_points import spread_points
 from ..morphs.appearance import Appearance
 from ..motions.motion import MovedShape
 

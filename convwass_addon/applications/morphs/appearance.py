@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
 from .carried_uvs import UvMap, home_triangles
 
 

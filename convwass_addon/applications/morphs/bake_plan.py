@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...geometry.orientation import orient_outward
-from ...geometry.welding import ClosedSeams
+from ...geometry.meshes.welding import ClosedSeams
+from ...geometry.solids.orientation import orient_outward
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
-from ...geometry.chunks import chunks
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
-from ...geometry.normals import triangle_areas
-from ...geometry.uv_charts import SEAM_DETOUR, chart_labels, uv_sizes
+from ...geometry.arrays.chunks import chunks
+from ...geometry.meshes.barycentric import barycentric_coordinates, clamped_to_triangle
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
+from ...geometry.meshes.normals import triangle_areas
+from ...geometry.meshes.uv_charts import SEAM_DETOUR, chart_labels, uv_sizes
 
 # Number of triangles of the shape tried for each corner beyond a seam.
 _CANDIDATES = 8

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.bounds import common_bounds
+from ...geometry.arrays.bounds import common_bounds
 from ...transport import Grid
 from .moved_room import Room
 

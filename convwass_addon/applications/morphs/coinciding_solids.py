@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from ...geometry.boxes import box_around, slabs
-from ...geometry.plane_depths import plane_depths
-from ...geometry.steps import smooth_step
-from ...geometry.thin_parts import normalized_solid
+from ...geometry.arrays.steps import smooth_step
+from ...geometry.grids.boxes import box_around, slabs
+from ...geometry.level_sets.plane_depths import plane_depths
+from ...geometry.level_sets.thin_parts import normalized_solid
 from .growing_parts import extend, growing_in_place
 from .mean_solid import mean_solid
 from .thickened_parts import ThickenedParts

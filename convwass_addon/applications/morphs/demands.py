@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...geometry.connectivity import Connectivity
-from ...geometry.handle_removal import FIRM
-from ...geometry.mesh import TriangleMesh
-from ...geometry.surface_bounds import SurfaceBounds
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.level_sets.handle_removal import FIRM
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.surface_bounds import SurfaceBounds
 from .extraction import Constraint
 from .volumes import Lattice
 

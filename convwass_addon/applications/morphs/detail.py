@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates
 
-from ...geometry.distortion import vertex_distortions
-from ...geometry.facing_points import FacingShape
-from ...geometry.steps import linear_step, smooth_step
-from ...geometry.surface_detail import DetailedSurface, DetailSource, with_detail
+from ...geometry.arrays.steps import linear_step, smooth_step
+from ...geometry.level_sets.surface_detail import DetailedSurface, DetailSource, with_detail
+from ...geometry.meshes.distortion import vertex_distortions
+from ...geometry.meshes.facing_points import FacingShape
 from ...progress import Control
 from ..motions.motion import MovedShape
 from .coinciding_solids import CoincidingSolids

@@ -13,15 +13,15 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...errors import InputError
-from ...geometry.boxes import Box, box_around
-from ...geometry.connectivity import Connectivity
-from ...geometry.even_surface import even_surface
-from ...geometry.face_size import with_face_size
-from ...geometry.handle_removal import GENTLE, Effort
-from ...geometry.isosurface import LevelSurface, level_enclosing, surface_at_level, surface_enclosing
-from ...geometry.mending import Mending, mended_surface
-from ...geometry.surface_bounds import SurfaceBounds, cells_changed
-from ...geometry.thin_parts import locally_normalized, lost_parts
+from ...geometry.grids.boxes import Box, box_around
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.level_sets.even_surface import even_surface
+from ...geometry.level_sets.face_size import with_face_size
+from ...geometry.level_sets.handle_removal import GENTLE, Effort
+from ...geometry.level_sets.isosurface import LevelSurface, level_enclosing, surface_at_level, surface_enclosing
+from ...geometry.level_sets.mending import Mending, mended_surface
+from ...geometry.level_sets.thin_parts import locally_normalized, lost_parts
+from ...geometry.solids.surface_bounds import SurfaceBounds, cells_changed
 from ...progress import UNINTERRUPTED, Control
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings

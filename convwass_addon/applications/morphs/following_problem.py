@@ -11,11 +11,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.bounds import common_bounds
-from ...geometry.centroid import centroid
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.facing_points import FacingShape
-from ...geometry.mesh import TriangleMesh
+from ...geometry.arrays.bounds import common_bounds
+from ...geometry.meshes.centroid import centroid
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.facing_points import FacingShape
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from ...array_files import ArrayReader, array_bytes
 from ...drafts import draft_of
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from .compact_arrays import Rounding, packed_integers, unpacked_integers
 from .part_potentials import PartPotentials
 

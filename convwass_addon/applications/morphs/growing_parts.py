@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...geometry.boxes import Box, slabs
-from ...geometry.coarser_grid import CoarserGrid
-from ...geometry.near import capped_distances
-from ...geometry.steps import smooth_step
+from ...geometry.arrays.steps import smooth_step
+from ...geometry.grids.boxes import Box, slabs
+from ...geometry.grids.coarser_grid import CoarserGrid
+from ...geometry.grids.near import capped_distances
 
 # Grids are halved until they have no more cells along a side, those of distances at most once.
 _MOST_CELLS = 64

@@ -21,10 +21,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.boxes import Box, box_around, slabs
-from ...geometry.coarser_grid import CoarserGrid
-from ...geometry.exact_depths import exact_depths
-from ...geometry.part_fronts import SHORT, PartFronts, SeparatePart, linked_components, separate_parts, shared_core
+from ...geometry.grids.boxes import Box, box_around, slabs
+from ...geometry.grids.coarser_grid import CoarserGrid
+from ...geometry.level_sets.part_fronts import (
+    SHORT,
+    PartFronts,
+    SeparatePart,
+    linked_components,
+    separate_parts,
+    shared_core,
+)
+from ...geometry.solids.exact_depths import exact_depths
 from .growing_parts import FARTHEST
 
 # Radius with which a part is rounded at its front, in cells of the grid on which fronts are measured.

@@ -12,10 +12,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.connectivity import Connectivity
-from ...geometry.facing_points import FacingShape
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.meshes.facing_points import FacingShape
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.orientation import orient_outward
 from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control
 from .demands import Demand

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...errors import InputError
-from ...geometry.steps import linear_step
+from ...geometry.arrays.steps import linear_step
 from ...schema import Choice, Companion, Settings, setting
 
 # Automatic sharpness: the first value, rising to 1 where the largest weight exceeds the second.

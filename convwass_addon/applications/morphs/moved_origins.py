@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPoints
+from ...geometry.meshes.closest_points import ClosestPoints
 from ..motions.motion import Motion, MovedShape
 
 # Change of the weights for forward differences; their error is of about this relative size.

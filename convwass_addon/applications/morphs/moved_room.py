@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.bounds import common_bounds
+from ...geometry.arrays.bounds import common_bounds
 from ...progress import Control
 from ..workers import side_by_side
 from .layouts import Blend

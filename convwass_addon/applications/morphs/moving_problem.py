@@ -12,12 +12,12 @@ from typing import Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.bounds import common_bounds
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.connectivity import Connectivity
-from ...geometry.facing_points import FacingShape
-from ...geometry.mesh import TriangleMesh
-from ...geometry.thin_spans import ThinSpans
+from ...geometry.arrays.bounds import common_bounds
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.facing_points import FacingShape
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.thin_spans import ThinSpans
 from ...progress import UNINTERRUPTED, Control
 from ..motions.growing_motion import GrowingMotion
 from ..motions.motion import Motion, MovedShape, unmoved

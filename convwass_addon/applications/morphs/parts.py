@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
-from ...geometry.thicken import surface_points
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.thicken import surface_points
 from ...progress import Control
 from .part_labels import Matching, PartNotice
 from .volumes import Lattice, voxelized

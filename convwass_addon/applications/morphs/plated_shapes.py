@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...geometry.plates import Plates
-from ...geometry.thicken import LEAST_THICKNESS
+from ...geometry.solids.plates import Plates
+from ...geometry.solids.thicken import LEAST_THICKNESS
 from .animation import ShapeAnimation
 from .morph_inputs import MorphInputs
 from .morph_settings import MorphSettings

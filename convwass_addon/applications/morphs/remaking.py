@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 
-from ...geometry.connectivity import Connectivity
-from ...geometry.mesh import TriangleMesh
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .bake_plan import BakePlan

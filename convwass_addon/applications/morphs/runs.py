@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from ...errors import InputError
-from ...geometry.connectivity import Connectivity
+from ...geometry.level_sets.connectivity import Connectivity
 from ...progress import Control
 from ..workers import frame_workers, one_blas_thread
 from .blend_problem import BlendProblem

@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
-from ...geometry.chunks import chunks
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import cross_coordinates, dot_coordinates, unit_vectors, vertex_normals
+from ...geometry.arrays.chunks import chunks
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.barycentric import barycentric_coordinates, clamped_to_triangle
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import cross_coordinates, dot_coordinates, unit_vectors, vertex_normals
 
 # Normals of a shape are not used if the cosine of their angle to the triangle of the blend is below this.
 _LEAST_COSINE = 0.3

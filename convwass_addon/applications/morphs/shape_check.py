@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from ...errors import InputError
-from ...geometry.edges import edge_use, topology
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.plates import Plates
-from ...geometry.welding import welded
+from ...geometry.meshes.edges import edge_use, topology
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.welding import welded
+from ...geometry.solids.orientation import orient_outward
+from ...geometry.solids.plates import Plates
 from ...progress import UNINTERRUPTED, Control
 from .volumes import Lattice, voxelized
 

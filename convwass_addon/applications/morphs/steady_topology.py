@@ -13,7 +13,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby, pairwise
 
-from ...geometry.connectivity import Connectivity
+from ...geometry.level_sets.connectivity import Connectivity
 from .fewest_changes import fewest_changes
 from .layouts import Blend
 from .morph_problem import MorphFrame

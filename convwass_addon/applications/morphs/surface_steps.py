@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closest_points import TriangleSamples
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.point_tree import point_tree
+from ...geometry.meshes.closest_points import TriangleSamples
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.point_tree import point_tree
+from ...geometry.solids.orientation import orient_outward
 from .frame_file import as_stored
 from .layouts import Blend
 from .morph_problem import MorphFrame

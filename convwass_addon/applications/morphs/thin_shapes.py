@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.boxes import box_around
-from ...geometry.near import capped_squares
-from ...geometry.thin_parts import LostPart, lost_parts
+from ...geometry.grids.boxes import box_around
+from ...geometry.grids.near import capped_squares
+from ...geometry.level_sets.thin_parts import LostPart, lost_parts
 from .diagnostics import KEPT_CELLS
 
 # Components below this fraction of a shape are ignored.

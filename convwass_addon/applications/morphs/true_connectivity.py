@@ -9,11 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import InputError
-from ...geometry.connectivity import Connectivity
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mesh_connectivity import mesh_connectivity
-from ...geometry.occupancy import occupancy
-from ...geometry.orientation import orient_outward
+from ...geometry.level_sets.connectivity import Connectivity
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.mesh_connectivity import mesh_connectivity
+from ...geometry.solids.occupancy import occupancy
+from ...geometry.solids.orientation import orient_outward
 from ...progress import Control
 from .extraction import connectivity_of
 from .morph_settings import MorphSettings

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.centroid import centroid
-from ...geometry.mesh import TriangleMesh
-from ...geometry.occupancy import occupancy
-from ...geometry.orientation import orient_outward
-from ...geometry.solid_volume import solid_volume
-from ...geometry.thicken import LEAST_CELLS, LEAST_THICKNESS, shell_occupancy
+from ...geometry.meshes.centroid import centroid
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.occupancy import occupancy
+from ...geometry.solids.orientation import orient_outward
+from ...geometry.solids.solid_volume import solid_volume
+from ...geometry.solids.thicken import LEAST_CELLS, LEAST_THICKNESS, shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ..memory import available_memory, check_memory
 from .centered_grid import CenteredGrid

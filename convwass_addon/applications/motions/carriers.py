@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from ...geometry.barycentric import barycentric_coordinates
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.coarsening import coarsened, coarsening_steps
-from ...geometry.component_links import component_links
-from ...geometry.edges import proper_part
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.label_sums import label_sums
-from ...geometry.limb_axes import LimbAxes
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.poisson_deformation import Links, PoissonDeformation
-from ...geometry.subdivision import bendable
-from ...geometry.surface_samples import SurfaceSamples
-from ...geometry.thickness_links import thickness_links
-from ...geometry.unit_shape import UnitShape
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.deformation.component_links import component_links
+from ...geometry.deformation.limb_axes import LimbAxes
+from ...geometry.deformation.poisson_deformation import Links, PoissonDeformation
+from ...geometry.deformation.thickness_links import thickness_links
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.barycentric import barycentric_coordinates
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.edges import proper_part
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.surface_samples import SurfaceSamples
+from ...geometry.remeshing.coarsening import coarsened, coarsening_steps
+from ...geometry.remeshing.subdivision import bendable
+from ...geometry.solids.orientation import orient_outward
 from ...progress import Control, drained, shares_within
 from ..usable_meshes import require_surface, too_intricate
 

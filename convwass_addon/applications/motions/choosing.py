@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ...geometry.common_axes import plane_share
+from ...geometry.recognition.common_axes import plane_share
 from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion

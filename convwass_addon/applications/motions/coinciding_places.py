@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.components import component_labels
-from ...geometry.edges import mesh_edges
-from ...geometry.far_points import far_points
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
+from ...geometry.arrays.components import component_labels
+from ...geometry.arrays.far_points import far_points
+from ...geometry.meshes.edges import mesh_edges
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import vertex_normals
 
 # Chosen by eye; `python3 run.py bench coherence` measures the effect.
 # Points coincide if their distance is at most this fraction of the surface's size (the square root of its area) or the

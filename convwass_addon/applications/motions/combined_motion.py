@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.surface_rotations import surface_rotations
+from ...geometry.deformation.surface_rotations import surface_rotations
 from ...progress import Control, Work, as_part
 from .guided_motion import GuidedMotion
 from .motion import MovedShape, weights_between

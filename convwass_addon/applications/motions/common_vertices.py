@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from .carriers import Carrier
 
 # Shapes are scaled by at most this factor to keep their volume. They enclose one if the sum of their oriented areas is

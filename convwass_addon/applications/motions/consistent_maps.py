@@ -18,7 +18,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import depth_first_order, minimum_spanning_tree
 
-from ...geometry.normals import vertex_normals
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid

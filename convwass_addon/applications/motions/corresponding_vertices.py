@@ -13,14 +13,14 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.edges import proper_faces, vertex_components
-from ...geometry.label_groups import label_groups
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
-from ...geometry.rotations import nearest_rotation
-from ...geometry.touching_components import touching_components
-from ...geometry.welding import place_labels
+from ...geometry.algebra.rotations import nearest_rotation
+from ...geometry.arrays.label_groups import label_groups
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.edges import proper_faces, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.touching_components import touching_components
+from ...geometry.meshes.welding import place_labels
 from .carriers import Carrier
 from .laid_meshes import Laid
 from .map_detour import map_detour

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh, is_level
-from ...geometry.rotations import nearest_rotation
-from ...geometry.upright_turns import upright_turn
+from ...geometry.algebra.rotations import nearest_rotation
+from ...geometry.deformation.upright_turns import upright_turn
+from ...geometry.meshes.mesh import TriangleMesh, is_level
 from .carriers import Carrier
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides

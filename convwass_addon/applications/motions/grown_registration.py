@@ -14,8 +14,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
-from ...geometry.registration import Registration, Stage
-from ...geometry.rotations import nearest_rotations
+from ...geometry.algebra.rotations import nearest_rotations
+from ...geometry.deformation.registration import Registration, Stage
 from ...progress import Control
 from .carriers import Carrier
 from .coinciding_places import coinciding_region

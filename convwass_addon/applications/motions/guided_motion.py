@@ -22,10 +22,10 @@ from itertools import pairwise, permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.hinged_poses import hinged_points
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mutual_alignment import Correspondence, mutual_poses
-from ...geometry.swing_twist import mean_turns, turn_matrices
+from ...geometry.algebra.mutual_alignment import Correspondence, mutual_poses
+from ...geometry.deformation.hinged_poses import hinged_points
+from ...geometry.deformation.swing_twist import mean_turns, turn_matrices
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, in_step, one_blas_thread

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mean_stretches import Parts, arithmetic_mean
+from ...geometry.algebra.mean_stretches import Parts, arithmetic_mean
 from .coherence import check_coherence, excess_at, way_at
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ..soft_maps.map_pairs import checked_pairs
 from ..soft_maps.map_sides import MapSide
 

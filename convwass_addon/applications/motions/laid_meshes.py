@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.edges import faces_between, vertex_components
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
-from ...geometry.registration import Registration, Stage
-from ...geometry.rotations import nearest_rotations
-from ...geometry.surface_projection import drawn_along_normals
-from ...geometry.unit_shape import UnitShape
+from ...geometry.algebra.rotations import nearest_rotations
+from ...geometry.deformation.registration import Registration, Stage
+from ...geometry.deformation.surface_projection import drawn_along_normals
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.edges import faces_between, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control
 from .carriers import Carrier
 

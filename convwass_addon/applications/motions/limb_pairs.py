@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mirror_planes import MirrorPlanes
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.mirror_planes import MirrorPlanes
 from .limb_tips import Limb, Limbs
 
 # Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.

@@ -11,10 +11,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mirror_planes import MirrorPlane
-from ...geometry.surface_graph import surface_distances, surface_graph
-from ...geometry.surface_tips import surface_tips
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.mirror_planes import MirrorPlane
+from ...geometry.meshes.surface_graph import surface_distances, surface_graph
+from ...geometry.meshes.surface_tips import surface_tips
 from .mirrored_sides import relative_heights
 
 # Chosen by eye on animals and people, in sizes of the surface. The persistence of the tip of a limb, which is 0.13 to

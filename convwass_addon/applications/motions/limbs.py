@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 
 # Shapes that fill this fraction of their convex hulls have no limbs that transport could tear off; chosen by eye.
 _NEARLY_CONVEX = 0.85

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 
-from ...geometry.equal_shares import at_equal_shares
-from ...geometry.mesh import TriangleMesh
+from ...geometry.arrays.equal_shares import at_equal_shares
+from ...geometry.meshes.mesh import TriangleMesh
 
 # Number of points that represent each surface.
 _POINTS = 500

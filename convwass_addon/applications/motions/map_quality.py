@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_normals
-from ...geometry.poisson_deformation import stretches_of
+from ...geometry.deformation.poisson_deformation import stretches_of
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import triangle_normals
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
 

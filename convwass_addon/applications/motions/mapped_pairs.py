@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh, is_level
-from ...geometry.poisson_deformation import mean_stretch
-from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
+from ...geometry.deformation.poisson_deformation import mean_stretch
+from ...geometry.deformation.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
+from ...geometry.meshes.mesh import TriangleMesh, is_level
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .carriers import Carrier

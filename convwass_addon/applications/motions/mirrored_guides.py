@@ -13,11 +13,11 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import is_level
-from ...geometry.mirror_planes import MirrorPlane, mirror_planes
-from ...geometry.plane_angles import signed_angles
-from ...geometry.point_tree import point_tree
-from ...geometry.upright_turns import rotation_about_z
+from ...geometry.deformation.upright_turns import rotation_about_z
+from ...geometry.meshes.mesh import is_level
+from ...geometry.meshes.mirror_planes import MirrorPlane, mirror_planes
+from ...geometry.meshes.point_tree import point_tree
+from ...geometry.plane.plane_angles import signed_angles
 from .carriers import Carrier
 from .mirrored_sides import MirroredSides
 

@@ -15,11 +15,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mirror_planes import MirrorPlanes, common_mirror_planes
-from ...geometry.steps import linear_step
+from ...geometry.arrays.steps import linear_step
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.mirror_planes import MirrorPlanes, common_mirror_planes
 
 # A map commutes with the reflections where both ways lead to points that are this close, in sizes of the surface.
 _CLOSE = 0.12

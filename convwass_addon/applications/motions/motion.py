@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
 from ...one_line import one_line
 
 # Weight that a shape keeps when it is moved onto another; shapes of weight zero are not moved.

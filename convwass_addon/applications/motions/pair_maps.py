@@ -10,9 +10,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh, is_level
-from ...geometry.mirror_planes import MirrorPlanes
-from ...geometry.normals import triangle_normals
+from ...geometry.meshes.mesh import TriangleMesh, is_level
+from ...geometry.meshes.mirror_planes import MirrorPlanes
+from ...geometry.meshes.normals import triangle_normals
 from ...progress import Control, Work, as_part, within
 from ..soft_maps.map_sides import MapSide
 from ..soft_maps.map_solving import soft_map_steps

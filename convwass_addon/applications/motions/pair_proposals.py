@@ -10,15 +10,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.edges import edge_lengths, mesh_edges
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.fusion import fused_choice
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
-from ...geometry.poisson_deformation import stretches_of
-from ...geometry.registration import AS_PLACED, Stage
-from ...geometry.rotations import nearest_rotations
-from ...geometry.weighted_quantile import weighted_quantile
+from ...geometry.algebra.rotations import nearest_rotations
+from ...geometry.arrays.weighted_quantile import weighted_quantile
+from ...geometry.deformation.fusion import fused_choice
+from ...geometry.deformation.poisson_deformation import stretches_of
+from ...geometry.deformation.registration import AS_PLACED, Stage
+from ...geometry.meshes.edges import edge_lengths, mesh_edges
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control
 from ..workers import both_ways
 from .carriers import Carrier

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import is_level
-from ...geometry.poisson_deformation import deformation_gradients
-from ...geometry.registration import Stage
+from ...geometry.deformation.poisson_deformation import deformation_gradients
+from ...geometry.deformation.registration import Stage
+from ...geometry.meshes.mesh import is_level
 from ...progress import Control
 from ..workers import both_ways
 from .carriers import Carrier, coarser

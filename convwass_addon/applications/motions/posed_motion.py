@@ -15,9 +15,9 @@ from itertools import permutations
 
 import numpy as np
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh
-from ...geometry.surface_rotations import surface_rotations
+from ...geometry.deformation.surface_rotations import surface_rotations
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Control
 from .carriers import Carrier, carrier_of
 from .combined_motion import CombinedMotion

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.alignment import aligned
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.alignment import aligned
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..workers import both_ways

@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...geometry.bounds import common_bounds
-from ...geometry.centroid import centroid
-from ...geometry.mesh import TriangleMesh
-from ...geometry.thicken import solid_or_shell_occupancy
+from ...geometry.arrays.bounds import common_bounds
+from ...geometry.meshes.centroid import centroid
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.thicken import solid_or_shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid, distance
 from ..workers import side_by_side

@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ...geometry.bounds import bounds_of, common_bounds
-from ...geometry.components import component_labels
-from ...geometry.edges import used_part, vertex_components
-from ...geometry.mesh import TriangleMesh, joined_meshes
+from ...geometry.arrays.bounds import bounds_of, common_bounds
+from ...geometry.arrays.components import component_labels
+from ...geometry.meshes.edges import used_part, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh, joined_meshes
 from .motion import Motion, MovedShape, unmoved
 from .motion_choice import MotionChoice, reason_of_stand_ins
 from .motion_request import MotionRequest

@@ -9,13 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.edges import mesh_edges
-from ...geometry.hinged_poses import HingedPose, hinged_points
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
-from ...geometry.poisson_deformation import deformation_gradients
-from ...geometry.rotation_fields import (
+from ...geometry.algebra.rotation_fields import (
     LARGEST_TURN,
     nearest_branches,
     rotation_matrices,
@@ -23,9 +17,11 @@ from ...geometry.rotation_fields import (
     unwound,
     unwound_towards,
 )
-from ...geometry.rotations import nearest_rotations
-from ...geometry.surface_rotations import surface_rotations
-from ...geometry.swing_twist import (
+from ...geometry.algebra.rotations import nearest_rotations
+from ...geometry.deformation.hinged_poses import HingedPose, hinged_points
+from ...geometry.deformation.poisson_deformation import deformation_gradients
+from ...geometry.deformation.surface_rotations import surface_rotations
+from ...geometry.deformation.swing_twist import (
     divided_turns,
     inverse_turns,
     mean_turns,
@@ -33,6 +29,10 @@ from ...geometry.swing_twist import (
     turn_matrices,
     turns_with_twists,
 )
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.edges import mesh_edges
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid

@@ -12,11 +12,11 @@ from dataclasses import dataclass, replace
 
 from scipy.spatial import cKDTree
 
-from ...geometry.attachment import Attachment
-from ...geometry.edges import component_areas
-from ...geometry.mesh import TriangleMesh
-from ...geometry.outer_skin import outer_skin
-from ...geometry.subdivision import Subdivision, bendable
+from ...geometry.deformation.attachment import Attachment
+from ...geometry.meshes.edges import component_areas
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.remeshing.subdivision import Subdivision, bendable
+from ...geometry.solids.outer_skin import outer_skin
 from ...progress import Control
 from .motion import Motion, MovedShape, unmoved
 from .motion_request import MotionRequest

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.alignment import RigidMove, aligned
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mutual_alignment import mean_rotation
-from ...geometry.revolution import common_revolutions
-from ...geometry.rotation_fields import rotation_matrices, rotation_vectors
+from ...geometry.algebra.mutual_alignment import mean_rotation
+from ...geometry.algebra.rotation_fields import rotation_matrices, rotation_vectors
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.recognition.revolution import common_revolutions
+from ...geometry.solids.alignment import RigidMove, aligned
 from ...progress import Control
 from .coherence import way_at
 from .limbs import is_compact

@@ -9,8 +9,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...geometry.edges import component_areas
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.edges import component_areas
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Progress, Work, within
 from ...sentence import Sentence
 from .motion_candidates import COARSE_EFFORT, MotionCandidates

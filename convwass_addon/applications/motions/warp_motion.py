@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.centroid import centroid
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.subdivision import Subdivision, with_short_edges
-from ...geometry.thicken import solid_or_shell_occupancy
+from ...geometry.meshes.centroid import centroid
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.remeshing.subdivision import Subdivision, with_short_edges
+from ...geometry.solids.orientation import orient_outward
+from ...geometry.solids.thicken import solid_or_shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice

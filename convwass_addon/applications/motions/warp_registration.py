@@ -11,11 +11,11 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.divergence import divergence_free
-from ...geometry.elastic_steps import elastic_step
-from ...geometry.field_extension import extended
-from ...geometry.solid_cells import SolidCells
-from ...geometry.step_flow import StepFlow
+from ...geometry.grids.divergence import divergence_free
+from ...geometry.grids.elastic_steps import elastic_step
+from ...geometry.grids.field_extension import extended
+from ...geometry.grids.solid_cells import SolidCells
+from ...geometry.grids.step_flow import StepFlow
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Grid

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 from scipy.sparse import csr_array
 
-from ...geometry.solid_blend import SolidBlend, SolidNodes
-from ...geometry.step_flow import StepFlow
+from ...geometry.deformation.solid_blend import SolidBlend, SolidNodes
+from ...geometry.grids.step_flow import StepFlow
 from ...progress import Control
 
 # Mass of an empty cell next to the solid, relative to a full one: enough to carry the surface.

@@ -15,10 +15,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.mesh import TriangleMesh
-from ...geometry.surface_covering import covering
-from ...geometry.surface_projection import drawn_along_normals
+from ...geometry.deformation.surface_covering import covering
+from ...geometry.deformation.surface_projection import drawn_along_normals
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.fold_finder import FoldFinder
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
-from ...geometry.surface_projection import PROJECTION_ROUNDS, projection_rounds
-from ...geometry.unfolding import unfolded
+from ...geometry.deformation.fold_finder import FoldFinder
+from ...geometry.deformation.surface_projection import PROJECTION_ROUNDS, projection_rounds
+from ...geometry.deformation.unfolding import unfolded
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..motions.motion import Motion, weights_between

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
-from ...geometry.missed_share import missed_share
-from ...geometry.orientation import orient_outward
-from ...geometry.weighted_quantile import weighted_quantile
+from ...geometry.arrays.weighted_quantile import weighted_quantile
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.missed_share import missed_share
+from ...geometry.solids.orientation import orient_outward
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence

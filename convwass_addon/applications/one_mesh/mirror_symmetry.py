@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.mirror_planes import MirrorPlane
+from ...geometry.meshes.mirror_planes import MirrorPlane
 
 # Mirror images are looked for within this distance, as a fraction of the size, and so many vertices may have none.
 _NEAR, _MOST_SINGLE = 2e-3, 0.02

@@ -5,8 +5,8 @@
 from __future__ import annotations
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
-from ...geometry.mesh_connectivity import mesh_connectivity
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.mesh_connectivity import mesh_connectivity
 from ...progress import Control
 
 

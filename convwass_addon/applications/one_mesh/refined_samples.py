@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.products import product
+from ...geometry.algebra.products import product
 
 # Weights of four consecutive samples, for the point halfway between the inner two and for that between the first two.
 _INNER, _FIRST = np.array([-1.0, 9.0, 9.0, -1.0]) / 16.0, np.array([5.0, 15.0, -5.0, 1.0]) / 16.0

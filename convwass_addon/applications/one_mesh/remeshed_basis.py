@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.even_surface import even_surface
-from ...geometry.facing_points import FacingShape
-from ...geometry.isosurface import surface_enclosing
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.solid_angles import winding_numbers
-from ...geometry.surface_detail import DetailSource, with_detail
-from ...geometry.surface_projection import drawn_along_normals
+from ...geometry.deformation.surface_projection import drawn_along_normals
+from ...geometry.level_sets.even_surface import even_surface
+from ...geometry.level_sets.isosurface import surface_enclosing
+from ...geometry.level_sets.surface_detail import DetailSource, with_detail
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.facing_points import FacingShape
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.orientation import orient_outward
+from ...geometry.solids.solid_angles import winding_numbers
 from ...progress import Control
 from ..morphs.volumes import Lattice, voxelized
 

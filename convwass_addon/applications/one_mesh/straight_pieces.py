@@ -16,9 +16,9 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.chunks import chunks
-from ...geometry.polylines import along_polyline
-from ...geometry.products import product
+from ...geometry.algebra.products import product
+from ...geometry.arrays.chunks import chunks
+from ...geometry.plane.polylines import along_polyline
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from .refined_samples import RefinedPath

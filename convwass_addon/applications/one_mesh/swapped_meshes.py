@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
-from ...geometry.orientation import orient_outward
-from ...geometry.visible_gap import VisibleGap
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.visible_gap import VisibleGap
+from ...geometry.solids.orientation import orient_outward
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.computation import Computation

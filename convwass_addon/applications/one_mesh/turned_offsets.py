@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.surface_rotations import surface_rotations
+from ...geometry.deformation.surface_rotations import surface_rotations
+from ...geometry.meshes.mesh import TriangleMesh
 
 
 @dataclass(frozen=True)

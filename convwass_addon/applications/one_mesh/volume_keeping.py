@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.chunks import chunks
-from ...geometry.edge_means import EdgeMeans
-from ...geometry.edges import topology
-from ...geometry.inner_balls import touching_radii
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import area_normals, unit_vectors
+from ...geometry.arrays.chunks import chunks
+from ...geometry.meshes.edge_means import EdgeMeans
+from ...geometry.meshes.edges import topology
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import area_normals, unit_vectors
+from ...geometry.solids.inner_balls import touching_radii
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 

@@ -15,9 +15,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.chunks import chunks
-from ...geometry.normals import cross_coordinates
-from ...geometry.products import product
+from ...geometry.algebra.products import product
+from ...geometry.arrays.chunks import chunks
+from ...geometry.meshes.normals import cross_coordinates
 from ...progress import Control, Progress, Work
 from ...sentence import Sentence
 from .refined_samples import RefinedPath

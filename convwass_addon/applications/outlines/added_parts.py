@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh, joined_meshes
-from ...geometry.subdivision import Subdivision
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.mesh import TriangleMesh, joined_meshes
+from ...geometry.remeshing.subdivision import Subdivision
 from ..motions.motion import Motion, MovedShape, arriving, unmoved, ways_between
 
 

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.edges import proper_part
-from ...geometry.mesh import TriangleMesh
-from ...geometry.outline_limbs import OutlineLimb
-from ...geometry.planar_mesh import planar_mesh, without_bridges
+from ...geometry.meshes.edges import proper_part
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.plane.closed_curves import ClosedCurve, boundary_of
+from ...geometry.plane.outline_limbs import OutlineLimb
+from ...geometry.remeshing.planar_mesh import planar_mesh, without_bridges
 
 # Vertices this close to a cut, or to each other, are on it, or the same; relative to the length of the cut.
 _SAME = 1e-6

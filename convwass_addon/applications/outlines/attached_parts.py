@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.edges import rim_vertices, vertex_components
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.edges import rim_vertices, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
 
 # Vertices farther from the surface of the body than this share of the longest side are on attached parts, and move with
 # these entirely if they are twice as far.

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.outline_finder import OutlineFinder
-from ...geometry.quotients import quotients
-from ...geometry.section_cavities import SectionCavity
+from ...geometry.algebra.quotients import quotients
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.outline_finder import OutlineFinder
+from ...geometry.recognition.section_cavities import SectionCavity
 from .profile_points import ProfilePoints
 
 OPEN = 0.5

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...geometry.extrusion import common_extrusions
+from ...geometry.recognition.extrusion import common_extrusions
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import Motion, unmoved

@@ -9,16 +9,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.barycentric import barycentric_coordinates
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.edges import edge_ends, edge_use
-from ...geometry.extrusion import Extrusion
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.hidden_bodies import visible_triangles
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_normals
-from ...geometry.prism import prism
-from ...geometry.subdivision import with_edges_halved
+from ...geometry.meshes.barycentric import barycentric_coordinates
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.edges import edge_ends, edge_use
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import triangle_normals
+from ...geometry.recognition.extrusion import Extrusion
+from ...geometry.remeshing.subdivision import with_edges_halved
+from ...geometry.solids.hidden_bodies import visible_triangles
+from ...geometry.solids.prism import prism
 from ..motions.motion import MovedShape
 
 # Triangles whose normals have at least this component along the axis belong to an end of the shape.

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.outline_finder import OutlineFinder
-from ...geometry.planar_fill import Boundary
-from ...geometry.revolution import Revolution
-from ...geometry.section_cavities import SectionCavity, revolved_volume
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.outline_finder import OutlineFinder
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.recognition.revolution import Revolution
+from ...geometry.recognition.section_cavities import SectionCavity, revolved_volume
 from ..motions.motion import MovedShape
 from .cavity_points import CavityPoints, MovedCavity
 from .revolved_shape import RevolvedShape

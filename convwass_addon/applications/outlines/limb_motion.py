@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_fill import Boundary
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.plane.planar_fill import Boundary
 from ..motions.motion import MovedShape, unmoved, ways_between
 from .added_parts import MotionWithAddedParts
 from .agreeing_motion import AgreeingMotion

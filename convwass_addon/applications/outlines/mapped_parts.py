@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.rotations import nearest_rotation
+from ...geometry.algebra.rotations import nearest_rotation
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion
 from ..motions.motion import Motion, MovedShape, arriving

@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.curve_maps import CurveMap, smooth_map
-from ...geometry.curve_matching import CurveSamples, MatchedCurves, MatchWeights, match_work, matched_curves
-from ...geometry.curve_symmetry import MirrorAxes
-from ...geometry.plane_angles import best_turn
+from ...geometry.plane.curve_maps import CurveMap, smooth_map
+from ...geometry.plane.curve_matching import CurveSamples, MatchedCurves, MatchWeights, match_work, matched_curves
+from ...geometry.plane.curve_symmetry import MirrorAxes
+from ...geometry.plane.plane_angles import best_turn
 from .outline_curves import OutlineCurve
 
 FINE = 160

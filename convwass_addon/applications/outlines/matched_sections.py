@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closed_curves import ClosedCurve
-from ...geometry.curve_maps import smooth_map
-from ...geometry.curve_matching import CurveSamples, matched_curves
+from ...geometry.plane.closed_curves import ClosedCurve
+from ...geometry.plane.curve_maps import smooth_map
+from ...geometry.plane.curve_matching import CurveSamples, matched_curves
 from .cavity_points import OPEN
 from .matched_outlines import AS_PLACED, FINE, MatchedOutlines
 from .outline_curves import OutlineCurve

@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.curve_maps import smooth_map
-from ...geometry.strokes import Stroke
+from ...geometry.plane.curve_maps import smooth_map
+from ...geometry.plane.strokes import Stroke
 from .matched_outlines import MatchedOutlines, have_upright_axis, matched_outlines
 from .outline_curves import OutlineCurve
 

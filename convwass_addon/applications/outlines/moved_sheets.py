@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closed_curves import boundary_of
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.coverage import self_overlap
-from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
-from ...geometry.mesh import TriangleMesh
-from ...geometry.travel import travel
+from ...geometry.deformation.foldover_free import UNDISTORTED, DeformedTriangles
+from ...geometry.deformation.travel import travel
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.plane.closed_curves import boundary_of
+from ...geometry.plane.coverage import self_overlap
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
 from ..motions.coherence import FULL_COHERENCE

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from ...geometry.closed_curves import CORNER, ClosedCurve
-from ...geometry.coverage import coverage
-from ...geometry.curve_matching import CurveSamples
-from ...geometry.curve_symmetry import MirrorAxes
-from ...geometry.planar_fill import Boundary
-from ...geometry.plane_angles import rotated, signed_angles
+from ...geometry.plane.closed_curves import CORNER, ClosedCurve
+from ...geometry.plane.coverage import coverage
+from ...geometry.plane.curve_matching import CurveSamples
+from ...geometry.plane.curve_symmetry import MirrorAxes
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.plane.plane_angles import rotated, signed_angles
 
 # A curve of more corners, such as a traced one, is treated as smooth.
 _MOST_CORNERS = 200

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.edges import proper_part, rim_vertices, vertex_components
-from ...geometry.factorization import factorize
-from ...geometry.foldover_free import DeformedTriangles, foldover_free
-from ...geometry.laplacian import laplacian
-from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_mesh import planar_mesh, without_bridges
+from ...geometry.algebra.factorization import factorize
+from ...geometry.deformation.foldover_free import DeformedTriangles, foldover_free
+from ...geometry.meshes.edges import proper_part, rim_vertices, vertex_components
+from ...geometry.meshes.laplacian import laplacian
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.plane.closed_curves import ClosedCurve, boundary_of
+from ...geometry.remeshing.planar_mesh import planar_mesh, without_bridges
 from ...progress import Control
 from .outline_pairs import ShapePair
 from .outlined_shape import OutlinedShape

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...geometry.planar_fill import Boundary
+from ...geometry.plane.planar_fill import Boundary
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import attempted

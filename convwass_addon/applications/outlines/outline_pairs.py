@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ...geometry.closed_curves import ClosedCurve
-from ...geometry.curve_maps import CurveMap, even_map
-from ...geometry.mean_value import polygon_coordinates
-from ...geometry.plane_angles import best_turn
+from ...geometry.deformation.mean_value import polygon_coordinates
+from ...geometry.plane.closed_curves import ClosedCurve
+from ...geometry.plane.curve_maps import CurveMap, even_map
+from ...geometry.plane.plane_angles import best_turn
 from .matched_outlines import MatchedOutlines, placed_outlines
 from .matched_strokes import outlines_and_strokes
 from .outline_curves import OutlineCurve

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
-from ...geometry.planar_fill import Boundary
-from ...geometry.ring_nesting import outline_of
+from ...geometry.plane.closed_curves import ClosedCurve, boundary_of, opened_curve
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.plane.ring_nesting import outline_of
 from .outline_curves import OutlineCurve, sharp_corners
 
 # Corners at which curves touch are cut by this, relative to the square root of the area.

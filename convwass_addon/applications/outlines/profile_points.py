@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
 from .sheets import AttachedPoints
 
 # The mirror image of a section about the axis.

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.line_cuts import cut_at_share
-from ...geometry.planar_fill import Boundary
-from ...geometry.ring_nesting import outline_of
+from ...geometry.plane.closed_curves import ClosedCurve, boundary_of
+from ...geometry.plane.line_cuts import cut_at_share
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.plane.ring_nesting import outline_of
 from .outlined_shape import OutlinedShape
 
 # Directions in which the centers of regions are compared.

@@ -10,13 +10,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mean_stretches import area_preserving_mean
-from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_fill import Boundary
-from ...geometry.revolution import Revolution, common_revolutions
-from ...geometry.revolved_bodies import common_revolved_bodies
-from ...geometry.ring_nesting import outline_of
-from ...geometry.section_cavities import SectionCavity, revolved_volume
+from ...geometry.algebra.mean_stretches import area_preserving_mean
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.plane.ring_nesting import outline_of
+from ...geometry.recognition.revolution import Revolution, common_revolutions
+from ...geometry.recognition.revolved_bodies import common_revolved_bodies
+from ...geometry.recognition.section_cavities import SectionCavity, revolved_volume
 from ...progress import Control
 from ..motions.guided_motion import GuidedMotion
 from ..motions.guided_settings import GuidedSettings

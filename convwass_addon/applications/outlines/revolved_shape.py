@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.outline_finder import OutlineFinder
-from ...geometry.quotients import quotients
-from ...geometry.revolution import Revolution
-from ...geometry.subdivision import Subdivision, bendable
+from ...geometry.algebra.quotients import quotients
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.outline_finder import OutlineFinder
+from ...geometry.recognition.revolution import Revolution
+from ...geometry.remeshing.subdivision import Subdivision, bendable
 from ..motions.motion import MovedShape
 from .attached_parts import AttachedParts
 from .profile_points import ProfilePoints

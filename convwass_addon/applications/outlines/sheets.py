@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.edges import edge_ends, edge_use
-from ...geometry.mesh import TriangleMesh, joined_meshes
-from ...geometry.planar_fill import Boundary
-from ...geometry.planar_mesh import planar_mesh
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.edges import edge_ends, edge_use
+from ...geometry.meshes.mesh import TriangleMesh, joined_meshes
+from ...geometry.plane.planar_fill import Boundary
+from ...geometry.remeshing.planar_mesh import planar_mesh
 from ..motions.motion import MovedShape
 
 # Edge lengths of the triangles and of carried boundaries, as fractions of the square root of the area: strokes whose

@@ -15,11 +15,11 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closed_curves import ClosedCurve
-from ...geometry.curve_maps import CurveMap
-from ...geometry.mesh import TriangleMesh, joined_meshes
-from ...geometry.travel import travel
-from ...geometry.unit_shape import UnitShape
+from ...geometry.deformation.travel import travel
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.mesh import TriangleMesh, joined_meshes
+from ...geometry.plane.closed_curves import ClosedCurve
+from ...geometry.plane.curve_maps import CurveMap
 from ...progress import Control
 from ..workers import side_by_side
 from .outline_curves import sharp_corners

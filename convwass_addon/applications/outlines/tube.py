@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.center_lines import SlicedTube
-from ...geometry.polylines import along_polyline
-from ...geometry.rotation_fields import rotation_matrices, rotation_vectors
-from ...geometry.subdivision import Subdivision
+from ...geometry.algebra.rotation_fields import rotation_matrices, rotation_vectors
+from ...geometry.plane.polylines import along_polyline
+from ...geometry.recognition.center_lines import SlicedTube
+from ...geometry.remeshing.subdivision import Subdivision
 
 # Straight pieces of a center line.
 _PIECES = 240

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.center_lines import sliced_tube
-from ...geometry.rotation_fields import rotation_matrices, rotation_vectors
+from ...geometry.algebra.rotation_fields import rotation_matrices, rotation_vectors
+from ...geometry.recognition.center_lines import sliced_tube
 from ...progress import Control
 from ..motions.coherence import way_at
 from ..motions.motion import MovedShape

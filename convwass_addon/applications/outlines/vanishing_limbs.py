@@ -13,8 +13,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.outline_limbs import OutlineLimb, outline_limbs, without_limb
+from ...geometry.plane.closed_curves import ClosedCurve, boundary_of
+from ...geometry.plane.outline_limbs import OutlineLimb, outline_limbs, without_limb
 from ...progress import Control
 from .matched_outlines import rough_work
 from .outline_curves import OutlineCurve

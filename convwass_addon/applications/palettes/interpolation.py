@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.chunks import chunks
+from ...geometry.arrays.chunks import chunks
 
 # Points processed together: their data fits into the processor's cache.
 _AT_ONCE = 1 << 16

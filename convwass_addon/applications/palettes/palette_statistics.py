@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.equal_shares import at_equal_shares
+from ...geometry.arrays.equal_shares import at_equal_shares
 
 BINS = 128
 """Bins along a and along b."""

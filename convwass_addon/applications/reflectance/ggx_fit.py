@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.weighted_quantile import weighted_quantile
+from ...geometry.arrays.weighted_quantile import weighted_quantile
 from .lobe_table import IncomingDirections, LobeTable, reflected_light
 from .materials import Ggx
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.polylines import along_polyline
+from ...geometry.plane.polylines import along_polyline
 
 MOST_ON_PAD = 16
 """Largest number of blends along each side: all tables lie in one image, whose rows graphics cards limit."""

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
 from ...transport import Surface
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody, skeleton_body

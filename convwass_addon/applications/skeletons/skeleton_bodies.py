@@ -12,17 +12,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.coarsening import coarsened
-from ...geometry.components import component_labels
-from ...geometry.edges import EdgeUse, edge_use, topology, vertex_components
-from ...geometry.isosurface import surface_at_level
-from ...geometry.mesh import TriangleMesh
-from ...geometry.occupancy import occupancy
-from ...geometry.orientation import orient_outward
-from ...geometry.solid_angles import Inside, winding_numbers
-from ...geometry.thicken import shell_occupancy
-from ...geometry.welding import welded
+from ...geometry.arrays.components import component_labels
+from ...geometry.level_sets.isosurface import surface_at_level
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.edges import EdgeUse, edge_use, topology, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.welding import welded
+from ...geometry.remeshing.coarsening import coarsened
+from ...geometry.solids.occupancy import occupancy
+from ...geometry.solids.orientation import orient_outward
+from ...geometry.solids.solid_angles import Inside, winding_numbers
+from ...geometry.solids.thicken import shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.volumes import Lattice, voxelized
 

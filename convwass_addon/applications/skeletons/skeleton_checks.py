@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.components import component_labels
+from ...geometry.arrays.components import component_labels
 from ...sentence import first_names
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains

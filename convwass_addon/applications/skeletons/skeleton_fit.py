@@ -12,8 +12,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.inner_balls import inner_balls
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.inner_balls import inner_balls
 from ...one_line import one_line
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mean_value import mean_value_coordinates, positive_coordinates
+from ...geometry.deformation.mean_value import mean_value_coordinates, positive_coordinates
 from ...progress import UNINTERRUPTED, Control
 from ...transport import KernelTooNarrowError, Propagation, Surface, propagate
 from ...transport.sharpening import entropy

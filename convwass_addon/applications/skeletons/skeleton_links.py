@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.polylines import along_polyline, arc_lengths
+from ...geometry.plane.polylines import along_polyline, arc_lengths
 from .skeleton_graph import JointGraph
 
 

@@ -16,9 +16,9 @@ from scipy.ndimage import uniform_filter1d
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from ...geometry.inner_balls import InnerBalls
-from ...geometry.polylines import along_polyline, arc_lengths
-from ...geometry.solid_angles import Inside
+from ...geometry.plane.polylines import along_polyline, arc_lengths
+from ...geometry.solids.inner_balls import InnerBalls
+from ...geometry.solids.solid_angles import Inside
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains, spaced
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
 from ...one_line import one_line
 from ...transport.barycenter import Barycenter
 from .glow_travel import GlowTravel

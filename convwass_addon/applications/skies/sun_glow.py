@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from ...geometry.steps import smooth_step
+from ...geometry.arrays.steps import smooth_step
 from ...transport.sphere import directions
 from .lamps import Lamp
 from .sky_images import LUMINANCE

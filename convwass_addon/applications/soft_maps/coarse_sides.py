@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ...errors import InputError
-from ...geometry.coarsening import coarsened
-from ...geometry.edges import proper_part
-from ...geometry.integer_ranges import integer_ranges
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import area_normals
+from ...geometry.arrays.integer_ranges import integer_ranges
+from ...geometry.meshes.edges import proper_part
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import area_normals
+from ...geometry.remeshing.coarsening import coarsened
 from ...progress import Control
 from ..usable_meshes import too_intricate
 from .map_sides import MapSide

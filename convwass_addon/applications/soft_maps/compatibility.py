@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.functional_map import spectral_match
-from ...geometry.surface_graph import surface_distances
-from ...geometry.unit_shape import UnitShape
+from ...geometry.deformation.functional_map import spectral_match
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.surface_graph import surface_distances
 from ...progress import UNINTERRUPTED, Control
 from ..workers import both_ways
 from .map_sides import MapSide

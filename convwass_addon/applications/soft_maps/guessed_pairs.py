@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.far_points import far_points
-from ...geometry.rotations import best_turn
+from ...geometry.algebra.rotations import best_turn
+from ...geometry.arrays.far_points import far_points
 from .map_pieces import PieceMatch
 from .map_sides import MapSide
 from .surface_maps import PointMap

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import block_diag, csr_array
 
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.mesh import TriangleMesh
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import SoftMap

@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import diags_array
 
-from ...geometry.factorization import factorize
-from ...geometry.laplacian import Laplacian
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import unit_vectors
-from ...geometry.quotients import quotients
+from ...geometry.algebra.factorization import factorize
+from ...geometry.algebra.quotients import quotients
+from ...geometry.meshes.laplacian import Laplacian
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import unit_vectors
 from .surface_maps import PointMap
 
 # Smoothing length of the rotations, relative to the square root of the surface's area.

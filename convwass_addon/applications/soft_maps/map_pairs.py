@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.edges import proper_part
-from ...geometry.mesh import TriangleMesh
-from ...geometry.surface_graph import edge_distances
+from ...geometry.meshes.edges import proper_part
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.surface_graph import edge_distances
 from ...sentence import Sentence
 from .map_sides import MapSide
 

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.components import component_labels
-from ...geometry.edges import faces_between, vertex_components
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
+from ...geometry.arrays.components import component_labels
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.edges import faces_between, vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
 from .map_sides import MapSide
 
 # Weights of the differences between components: of the logarithms of their size and of their three extents, and of

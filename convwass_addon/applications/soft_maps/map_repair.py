@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.edge_energy import EdgeEnergy
-from ...geometry.edges import vertex_components
-from ...geometry.facing_points import FacingPointFinder
-from ...geometry.factorization import factorize
-from ...geometry.laplacian import laplacian
-from ...geometry.mesh import TriangleMesh
+from ...geometry.algebra.factorization import factorize
+from ...geometry.deformation.edge_energy import EdgeEnergy
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.edges import vertex_components
+from ...geometry.meshes.facing_points import FacingPointFinder
+from ...geometry.meshes.laplacian import laplacian
+from ...geometry.meshes.mesh import TriangleMesh
 from ...sentence import Sentence
 from .map_frames import map_frames, nearest_turns
 from .surface_maps import PointMap, SurfaceMap

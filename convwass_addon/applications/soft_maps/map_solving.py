@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.mirror_planes import MirrorPlanes
+from ...geometry.meshes.mirror_planes import MirrorPlanes
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface

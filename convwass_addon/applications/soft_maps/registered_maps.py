@@ -10,11 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPoints
-from ...geometry.normals import vertex_normals
-from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
-from ...geometry.rotations import best_turn
-from ...geometry.unit_shape import UnitShape
+from ...geometry.algebra.rotations import best_turn
+from ...geometry.deformation.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.closest_points import ClosestPoints
+from ...geometry.meshes.normals import vertex_normals
 from ...progress import Control
 
 # Chosen by eye; docs/performance, "Soft maps", lists what these and the other constants of soft maps achieve.

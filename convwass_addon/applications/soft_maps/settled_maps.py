@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
-from ...geometry.registration import SETTLING, Registration
-from ...geometry.unit_shape import UnitShape
+from ...geometry.deformation.registration import SETTLING, Registration
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Control
 
 

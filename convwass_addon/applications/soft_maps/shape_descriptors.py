@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.signatures import wave_kernel_signature
-from ...geometry.spectrum import Spectrum, spectrum
-from ...geometry.surface_graph import surface_distances
-from ...geometry.unit_shape import UnitShape
+from ...geometry.deformation.signatures import wave_kernel_signature
+from ...geometry.deformation.unit_shape import UnitShape
+from ...geometry.meshes.spectrum import Spectrum, spectrum
+from ...geometry.meshes.surface_graph import surface_distances
 
 _FUNCTIONS = 120
 _ENERGIES = 50

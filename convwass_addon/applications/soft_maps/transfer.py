@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from .surface_maps import PointMap
 
 # Weights below this are interpolation noise and set to zero.

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.edge_energy import EdgeEnergy
-from ...geometry.factorization import factorize
-from ...geometry.laplacian import laplacian
-from ...geometry.mesh import TriangleMesh
+from ...geometry.algebra.factorization import factorize
+from ...geometry.deformation.edge_energy import EdgeEnergy
+from ...geometry.meshes.closest_points import ClosestPointFinder
+from ...geometry.meshes.laplacian import laplacian
+from ...geometry.meshes.mesh import TriangleMesh
 from .map_frames import MapFrames, map_frames, nearest_turns
 from .surface_maps import PointMap
 from .transfer import check_giver

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
-from ...geometry.components import component_labels
-from ...geometry.label_sums import label_sums
-from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import doubled_areas, triangle_areas
-from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
+from ...geometry.arrays.components import component_labels
+from ...geometry.arrays.label_sums import label_sums
+from ...geometry.meshes.closest_points import ClosestPointFinder, closest_in_triangles
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.normals import doubled_areas, triangle_areas
+from ...geometry.meshes.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
 from ...sentence import Sentence
 from .surface_maps import PointMap
 from .transfer import check_giver

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from .joint_layout import JointLayout, joint_layout
 from .rig_bones import SIDES, RigBone, bone_ends
 from .rig_graphs import RigGraph, world_matrix

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from ..element_values import element_values, vectors_of, write_floats
 from ..mesh_checks import other_vertices, readable_mesh
 from .pins import pinned_vertices

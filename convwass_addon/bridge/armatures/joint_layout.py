@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.components import component_labels
+from ...geometry.arrays.components import component_labels
 from .rig_bones import RigBone
 
 # Relative to the extent of the armature.

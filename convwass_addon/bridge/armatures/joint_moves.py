@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from .joint_layout import JointLayout, joint_layout
 from .rig_bones import SIDES, bone_ends
 from .rig_graphs import RigGraph

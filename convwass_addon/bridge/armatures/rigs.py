@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ..mesh_checks import linked_elsewhere
 from ..objects import triangle_mesh
 from .armature_graphs import armature_graph

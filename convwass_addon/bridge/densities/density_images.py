@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.uv_pixels import UvPixels, uv_pixels
+from ...geometry.meshes.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
 from ..color_spaces import DATA, color_space
 from ..element_values import MeshTriangles, element_values

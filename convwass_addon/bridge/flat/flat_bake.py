@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...applications.morphs.layouts import Blend
-from ...geometry.outlines import ring_area
+from ...geometry.plane.outlines import ring_area
 from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_frames
 from ..morphs.inputs.frozen_inputs import FrozenInput

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.flat.flat_frames import FlatFrame
-from ...geometry.fitting import BezierRing, fitted_beziers
-from ...geometry.outlines import Outline, ring_area
+from ...geometry.plane.fitting import BezierRing, fitted_beziers
+from ...geometry.plane.outlines import Outline, ring_area
 from ..element_values import element_values, write_floats
 from .flat_rings import CurveStyle
 

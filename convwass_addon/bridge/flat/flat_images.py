@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...errors import InputError
-from ...geometry.contours import outline_enclosing
-from ...geometry.fitting import fitted_polygons
+from ...geometry.level_sets.contours import outline_enclosing
+from ...geometry.plane.fitting import fitted_polygons
 from ..image_files import pixel_values, refuse_damaged
 from .flat_rings import FlatRings
 

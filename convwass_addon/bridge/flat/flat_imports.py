@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from ..element_values import element_values, write_floats
 from ..image_files import loaded_image
 from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer

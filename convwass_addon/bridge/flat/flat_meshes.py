@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import transformed_points
-from ...geometry.ring_nesting import closed_chains
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.plane.ring_nesting import closed_chains
 from ..element_values import element_values, vectors_of
 from .flat_rings import FlatRings
 from .planes import plane_of

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_pieces import filled_by
 from ...applications.flat.flat_shapes import FlatShape
-from ...geometry.flat_moments import FlatMoments
+from ...geometry.plane.flat_moments import FlatMoments
 from .flat_objects import FlatObject
 from .flat_rings import CurveStyle
 from .pencil_looks import StrokeLine, mean_line

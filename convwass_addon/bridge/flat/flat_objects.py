@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
-from ...geometry.flat_moments import directed
+from ...geometry.plane.flat_moments import directed
 from ..matrix_checks import require_finite
 from ..morphs.looks.materials import input_color, material_color, material_opacity
 from ..nodes_output import nodes_output

@@ -12,7 +12,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from ...sentence import Sentence
 from ..element_values import element_values, write_floats
 from .flat_rings import FlatRings

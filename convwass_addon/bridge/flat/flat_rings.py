@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.outlines import Rule
+from ...geometry.plane.outlines import Rule
 from ...sentence import Sentence
 from .pencil_looks import StrokeLine
 

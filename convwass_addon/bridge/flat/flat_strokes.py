@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.fitting import BezierRing
-from ...geometry.outlines import FlatRegion
-from ...geometry.ring_nesting import keyholed
+from ...geometry.plane.fitting import BezierRing
+from ...geometry.plane.outlines import FlatRegion
+from ...geometry.plane.ring_nesting import keyholed
 from .pencil_looks import StrokeLine
 
 # Points per curve segment if strokes are polygons.

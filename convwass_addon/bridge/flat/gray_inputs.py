@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
 from ...errors import InputError
-from ...geometry.steps import linear_step
+from ...geometry.arrays.steps import linear_step
 from ..scene_colors import srgb_of_scene
 from ..visibility import evaluated_object
 from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of

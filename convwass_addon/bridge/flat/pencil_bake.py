@@ -10,8 +10,8 @@ from mathutils import Matrix
 
 from ...applications.flat.flat_frames import ColoredOutline
 from ...applications.flat.flat_pieces import filled_by, layers_of
-from ...geometry.fitting import fitted_polygons
-from ...geometry.ring_nesting import outline_of
+from ...geometry.plane.fitting import fitted_polygons
+from ...geometry.plane.ring_nesting import outline_of
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..morphs.bake import alone_in

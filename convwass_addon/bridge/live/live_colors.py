@@ -19,7 +19,7 @@ from .leftovers import LIVE_KEY
 
 if TYPE_CHECKING:
     from ...applications.morphs.appearance import Appearance
-    from ...geometry.alignment import RigidMove
+    from ...geometry.solids.alignment import RigidMove
 
 KEPT_MATERIAL = "Convwass Blend"
 """Name of the material of kept shapes that have colors."""

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from ...geometry.bounds import common_bounds
+from ...geometry.arrays.bounds import common_bounds
 from ..handles import Handle
 from ..objects import write_triangles
 from ..shape_sources import ShapeSource
@@ -21,7 +21,7 @@ from .live_pad import LivePad
 
 if TYPE_CHECKING:
     from ...applications.live.live_shapes import LiveShape
-    from ...geometry.mesh import TriangleMesh
+    from ...geometry.meshes.mesh import TriangleMesh
 
 
 class LiveScene:

@@ -20,7 +20,7 @@ from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..morphs.found_motions import FOUND_MOTIONS
 from ..morphs.inputs.shape_reading import ReadShapes, read_shapes

@@ -15,9 +15,9 @@ from ...applications.morphs.diagnostics import Diagnostic, diagnose
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...errors import ConvwassError, InputError
-from ...geometry.alignment import RigidMove
-from ...geometry.mesh import TriangleMesh
-from ...geometry.polygons import Polygons
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.polygons import Polygons
+from ...geometry.solids.alignment import RigidMove
 from ..animation_time import show_time, times_per_second
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility

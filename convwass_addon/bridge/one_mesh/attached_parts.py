@@ -14,10 +14,10 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.affine import transformed_points
-from ...geometry.attachment import Attachment, rigidly_moved
-from ...geometry.edges import vertex_components
-from ...geometry.mesh import TriangleMesh
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.deformation.attachment import Attachment, rigidly_moved
+from ...geometry.meshes.edges import vertex_components
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..element_values import triangle_corners, vectors_of, write_floats

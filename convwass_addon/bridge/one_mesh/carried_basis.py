@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.morphs.carried_uvs import UvMap, home_triangles
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh
-from ...geometry.polygons import Polygons
+from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
 from ..element_values import MeshTriangles, triangle_materials, vectors_of
 from ..rendered_maps import render_uv_map

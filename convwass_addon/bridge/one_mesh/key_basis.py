@@ -10,9 +10,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.affine import transformed_points
-from ...geometry.alignment import RigidMove
-from ...geometry.mesh import TriangleMesh
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.solids.alignment import RigidMove
 from ..handles import Handle
 from ..objects import triangle_mesh
 from ..unused_data import remove_if_unused

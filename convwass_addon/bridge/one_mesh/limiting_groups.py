@@ -11,7 +11,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
 from ..element_values import element_values, write_floats
 from ..vertex_groups import group_names, read_group, read_groups, write_group
 

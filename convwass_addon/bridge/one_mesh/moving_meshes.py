@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
 from ...errors import InputError
-from ...geometry.affine import transformed_points
+from ...geometry.algebra.affine import transformed_points
 from ..animation_time import returning, show_time
 from ..element_values import MeshTriangles, vectors_of
 from ..keyframes import curves_of, driver_targets, key_span, strips_span

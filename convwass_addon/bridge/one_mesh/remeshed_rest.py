@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 
 from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh, missing_reach
-from ...geometry.mesh import TriangleMesh
-from ...geometry.polygons import Polygons
+from ...geometry.meshes.mesh import TriangleMesh
+from ...geometry.meshes.polygons import Polygons
 from ...progress import UNINTERRUPTED
 from ...sentence import Sentence
 from ..element_values import element_values, triangle_corners

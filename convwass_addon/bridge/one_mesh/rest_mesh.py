@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
-from ...geometry.affine import transformed_points
-from ...geometry.mirror_planes import MirrorPlane
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.meshes.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..armatures.rigs import is_posed
 from ..element_values import vectors_of, write_floats

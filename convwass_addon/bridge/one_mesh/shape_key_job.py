@@ -17,7 +17,7 @@ from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.motions.guided_settings import GuidedSettings
 from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
 from ...errors import InputError
-from ...geometry.alignment import AlignedMeshes, aligned_meshes
+from ...geometry.solids.alignment import AlignedMeshes, aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.inputs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest

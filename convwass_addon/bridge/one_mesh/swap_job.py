@@ -17,7 +17,7 @@ from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.one_mesh.key_paths import KeyPath
 from ...applications.one_mesh.swapped_meshes import SwappedMeshes, swapped_meshes
 from ...errors import InputError
-from ...geometry.alignment import aligned_meshes
+from ...geometry.solids.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.inputs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest

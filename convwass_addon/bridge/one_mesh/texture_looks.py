@@ -15,8 +15,8 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import ConvwassError, InputError
-from ...geometry.affine import transformed_points
-from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.meshes.closest_points import ClosestPointFinder
 from ..element_values import element_values, write_floats
 from ..handles import Handle
 from ..morphs.bake import assign_default_material

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.normals import doubled_areas, triangle_areas
-from ...geometry.uv_pixels import UvPixels, uv_pixels
+from ...geometry.meshes.normals import doubled_areas, triangle_areas
+from ...geometry.meshes.uv_pixels import UvPixels, uv_pixels
 from ..element_values import element_values, triangle_corners, vectors_of
 from ..rendered_maps import render_uv_map
 from ..scratch_scene import scratch_scene

@@ -18,7 +18,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_nor
 from ...applications.palettes.png_bytes import png_bytes
 from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ..color_spaces import DATA, color_space
 from ..element_values import element_values, write_floats
 from ..image_files import ImageFormat, drawn_image, opaque_pixels, save_image

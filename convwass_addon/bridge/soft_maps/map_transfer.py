@@ -15,7 +15,7 @@ import bpy
 
 from ...applications.soft_maps.surface_maps import PointMap
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Work, as_part
 from ...sentence import Sentence
 from ..blend_files import listed_names

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...applications.soft_maps.surface_maps import SurfaceMap, distribution_of
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.meshes.mesh import TriangleMesh
 from ..color_attributes import require_color_name, show_colors, write_colors
 from ..heat_map import heat_colors
 from ..mesh_checks import writable_mesh

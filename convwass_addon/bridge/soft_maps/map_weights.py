@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.quotients import quotients
+from ...geometry.algebra.quotients import quotients
 from ..mesh_checks import writable_mesh
 from ..vertex_groups import group_names, read_groups, write_group
 from .soft_map_requests import TransferRequest

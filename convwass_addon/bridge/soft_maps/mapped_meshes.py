@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.soft_maps.map_sides import MapSide
-from ...geometry.affine import transformed_points
-from ...geometry.mesh import TriangleMesh
+from ...geometry.algebra.affine import transformed_points
+from ...geometry.meshes.mesh import TriangleMesh
 from ..element_values import vectors_of
 from ..surfaces import SurfaceReading, surface_mesh
 from ..vertex_groups import group_names, read_groups

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from convwass_addon.applications.live.level_fields import FieldBox, LevelField
-from convwass_addon.geometry.isosurface import surface_enclosing
+from convwass_addon.geometry.level_sets.isosurface import surface_enclosing
 
 BOX = FieldBox(np.array([-3, 2, 0]), (30, 28, 32))
 CENTER = np.array([12.2, 15.7, 16.1])

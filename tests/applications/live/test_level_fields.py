@@ -17,7 +17,7 @@ from convwass_addon.applications.live.weight_layouts import (
     path_weights,
 )
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.centroid import centroid
+from convwass_addon.geometry.meshes.centroid import centroid
 from tests.applications.live.fields import BOX, CENTER, ball_field, radius_of
 
 LAYOUTS = [PathLayout(2), PathLayout(4), TriangleLayout(), SquareLayout()]

@@ -23,8 +23,8 @@ from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.centroid import centroid
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.progress import Control, Work, drained
 from tests.applications.test_moving_problem import ANGLE, NAMES, ROD, SHAPES, Turning, turned
 from tests.shapes import ball

@@ -21,7 +21,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.applications.live.test_live_blends import CENTERS, RADII, Clock
 from tests.applications.test_moving_problem import ANGLE, NAMES, SHAPES, Turning, turned

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from convwass_addon.geometry import mirror_planes
+from convwass_addon.geometry.meshes import mirror_planes
 
 
 @pytest.fixture(autouse=True, scope="module")

@@ -12,8 +12,8 @@ from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError, ResourceError
-from convwass_addon.geometry import outer_skin
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.solids import outer_skin
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
 from tests.applications.motions.given_motions import BARBELL, SHAPES, WARP, chosen_by, give, guided_with

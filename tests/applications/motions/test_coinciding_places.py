@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.motions.coinciding_places import coinciding_places
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 
 BODY = ball(1.0, points=1200)

@@ -16,8 +16,8 @@ from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import arm
 from tests.shapes import shuffled

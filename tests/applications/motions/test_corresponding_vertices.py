@@ -23,8 +23,8 @@ from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm, coarse_maps
 from tests.applications.motions.given_motions import chosen_by

@@ -9,8 +9,8 @@ import pytest
 
 from convwass_addon.applications.motions.facing_turns import is_turned_over, tumbles
 from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.rotation_fields import rotation_matrices
+from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.grids import figure
 
 SHAPE = figure()[0]

@@ -8,8 +8,8 @@ import numpy as np
 
 from convwass_addon.applications.motions.carriers import carrier_of, coarser
 from convwass_addon.applications.motions.grown_registration import grown_points
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control
 from tests.applications.maps import arm
 from tests.shapes import ball

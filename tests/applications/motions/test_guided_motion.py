@@ -16,9 +16,9 @@ from convwass_addon.applications.motions.map_quality import map_quality
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from convwass_addon.errors import Cancelled, InputError
-from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm
 from tests.grids import figure

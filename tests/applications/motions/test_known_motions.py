@@ -17,8 +17,8 @@ from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.remeshing.subdivision import with_short_edges
 from convwass_addon.progress import Control
 from tests.applications.maps import arm
 from tests.grids import figure

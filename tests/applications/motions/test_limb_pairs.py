@@ -10,8 +10,8 @@ import pytest
 
 from convwass_addon.applications.motions.limb_pairs import best_pairing, limb_pairs
 from convwass_addon.applications.motions.limb_tips import Limb, Limbs
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.mirror_planes import MirrorPlane
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from tests.shapes import PERSON, ball, body, capsules, joined
 
 

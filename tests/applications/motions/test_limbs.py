@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.motions.limbs import is_compact
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, box, joined, square, torus
 
 

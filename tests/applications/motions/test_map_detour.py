@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.motions.map_detour import map_detour
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 
 LONG = TriangleMesh(ball(points=3000).vertices * (3.0, 1.0, 1.0), ball(points=3000).faces)

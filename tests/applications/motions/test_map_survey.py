@@ -14,8 +14,8 @@ from convwass_addon.applications.motions import map_survey
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.map_survey import Promise, RoughMap, best_rough_map
 from convwass_addon.applications.motions.pair_maps import PairMap
-from convwass_addon.geometry.orientation import orient_outward
-from convwass_addon.geometry.rotation_fields import rotation_matrices
+from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
+from convwass_addon.geometry.solids.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 
 HALF = rotation_matrices(np.array([[0.0, 0.0, np.pi]]))[0]

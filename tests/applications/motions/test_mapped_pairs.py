@@ -15,8 +15,8 @@ from convwass_addon.applications.motions.pair_maps import PairMap
 from convwass_addon.applications.motions.pair_merits import MappedPair
 from convwass_addon.applications.motions.pair_registration import LaidPair
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.rotation_fields import rotation_matrices
+from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.motions.test_limb_pairs import RAISED_TAIL, animal, person
 from tests.grids import figure, sheet

@@ -9,8 +9,8 @@ import pytest
 
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.mirrored_guides import MirroredGuides, agreeing_sides
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.upright_turns import rotation_about_z
+from convwass_addon.geometry.deformation.upright_turns import rotation_about_z
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED
 from tests.grids import figure, sheet
 from tests.shapes import ball, box, joined

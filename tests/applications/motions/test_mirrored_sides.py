@@ -14,9 +14,9 @@ from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides
 from convwass_addon.applications.motions.pair_proposals import DraftPair, symmetrized, total_cost
 from convwass_addon.applications.motions.pair_registration import _tightened
-from convwass_addon.geometry.mesh import TriangleMesh, joined_meshes
-from convwass_addon.geometry.mirror_planes import MirrorPlane
-from convwass_addon.geometry.orientation import orient_outward
+from convwass_addon.geometry.meshes.mesh import TriangleMesh, joined_meshes
+from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
+from convwass_addon.geometry.solids.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure
 from tests.shapes import box

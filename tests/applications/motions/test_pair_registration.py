@@ -14,7 +14,7 @@ from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.pair_registration import LaidPair, laid_on_each_other
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure, sheet
 

@@ -12,8 +12,8 @@ from benchmarks.sculptures import Sculpture
 from convwass_addon.applications.motions import promising_maps
 from convwass_addon.applications.motions.promising_maps import may_map
 from convwass_addon.errors import Cancelled
-from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.upright_turns import rotation_about_z
+from convwass_addon.geometry.deformation.upright_turns import rotation_about_z
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.shapes import ball, torus
 

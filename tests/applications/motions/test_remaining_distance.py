@@ -11,7 +11,7 @@ import pytest
 
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.remaining_distance import TIMES, remaining_share
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 
 

@@ -14,7 +14,7 @@ from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.separate_bodies import SeparateBodies
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import box, joined, renumbered
 

@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.shape_deformations import split_deformation
-from convwass_addon.geometry.swing_twist import mean_turns, turn_matrices
+from convwass_addon.geometry.deformation.swing_twist import mean_turns, turn_matrices
 from convwass_addon.progress import UNINTERRUPTED
 from tests.shapes import bent, extruded
 

@@ -24,7 +24,7 @@ from convwass_addon.applications.motions.guided_motion import GuidedPair
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.standing_motion import StandingMotion, standing_motion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained, payloads
 from tests.applications.maps import coarse_maps
 from tests.applications.motions.test_known_motions import fine, known_motion

@@ -13,7 +13,7 @@ from benchmarks.props import revolved
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.turned_motion import Turning
-from convwass_addon.geometry.centroid import centroid
+from convwass_addon.geometry.meshes.centroid import centroid
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, renumbered, rotated
 

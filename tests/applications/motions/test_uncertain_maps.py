@@ -12,7 +12,7 @@ from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.surface_choice import motion_of_surfaces
 from convwass_addon.applications.motions.warp_motion import USUAL_EFFORT
 from convwass_addon.errors import ResourceError
-from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.applications.motions.given_motions import (
     BARBELL,
     FADED,

@@ -16,9 +16,9 @@ from scipy.ndimage import gaussian_filter
 from ....disk_space import require_space
 from ....drafts import written_together
 from ....errors import InputError
-from ....geometry.bounds import common_bounds
-from ....geometry.mesh import TriangleMesh
-from ....geometry.occupancy import occupancy
+from ....geometry.arrays.bounds import common_bounds
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.solids.occupancy import occupancy
 from ....progress import Progress, Work
 from ....sentence import Sentence
 from ...numbered_files import file_number, numbered_paths

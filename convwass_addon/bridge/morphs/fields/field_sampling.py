@@ -15,16 +15,16 @@ from scipy.ndimage import gaussian_filter, maximum_filter
 
 from ....applications.morphs.extraction import EXTRACTION_BLUR
 from ....errors import InputError
-from ....geometry.affine import transformed_points
-from ....geometry.bounds import common_bounds
-from ....geometry.centroid import centroid
-from ....geometry.edges import topology
-from ....geometry.isosurface import surface_enclosing
-from ....geometry.mesh import TriangleMesh
-from ....geometry.occupancy import occupancy
-from ....geometry.orientation import orient_outward
-from ....geometry.thicken import solid_or_shell_occupancy
-from ....geometry.welding import welded
+from ....geometry.algebra.affine import transformed_points
+from ....geometry.arrays.bounds import common_bounds
+from ....geometry.level_sets.isosurface import surface_enclosing
+from ....geometry.meshes.centroid import centroid
+from ....geometry.meshes.edges import topology
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.meshes.welding import welded
+from ....geometry.solids.occupancy import occupancy
+from ....geometry.solids.orientation import orient_outward
+from ....geometry.solids.thicken import solid_or_shell_occupancy
 from ....progress import UNINTERRUPTED, Control, Progress, Work, drained
 from ....sentence import Sentence
 from ...animation_time import returning, show_time

@@ -15,8 +15,8 @@ from mathutils import Matrix
 from ....applications.morphs.animation import Animation, ShapeAnimation
 from ....applications.morphs.layouts import Blend
 from ....errors import InputError
-from ....geometry.alignment import RigidMove
-from ....geometry.mesh import TriangleMesh
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.solids.alignment import RigidMove
 from ...animation_time import returning, show_time
 from ...handles import found
 from ...joined_shapes import joined_shape, shown_live

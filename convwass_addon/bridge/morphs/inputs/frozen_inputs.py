@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ....geometry.alignment import RigidMove
+from ....geometry.solids.alignment import RigidMove
 from ...element_values import element_values
 from ...handles import Handle
 from ...joined_shapes import current_shapes, joined_shape

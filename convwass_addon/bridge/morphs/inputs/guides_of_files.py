@@ -12,7 +12,7 @@ import bpy
 
 from ....applications.whole_paths import whole_path
 from ....errors import InputError
-from ....geometry.mesh import TriangleMesh
+from ....geometry.meshes.mesh import TriangleMesh
 from ...blend_files import appended_objects
 from ...imports import BLEND, only_kept_data, parse_source
 from ...scratch_scene import scratch_scene

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ....errors import ConvwassError, InputError, ResourceError
-from ....geometry.mesh import TriangleMesh
+from ....geometry.meshes.mesh import TriangleMesh
 from ....progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ....sentence import Sentence
 from ...handles import Handle

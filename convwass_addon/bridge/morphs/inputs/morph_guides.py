@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, TypeVar
 import bpy
 
 from ....errors import InputError
-from ....geometry.mesh import TriangleMesh
+from ....geometry.meshes.mesh import TriangleMesh
 from ....sentence import Sentence
 from ...object_names import object_of, unique_name
 from ...surface_marks import bone_marks, empty_marks, group_marks, nearest_vertex

@@ -14,8 +14,8 @@ from ....applications.morphs.morph_inputs import MorphInputs
 from ....applications.morphs.morph_settings import MorphSettings
 from ....applications.morphs.part_labels import FaceLabels, matching_of
 from ....errors import InputError
-from ....geometry.alignment import RigidMove, aligned_meshes
-from ....geometry.mesh import TriangleMesh
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.solids.alignment import RigidMove, aligned_meshes
 from ...flat.planes import plane_of
 from ...joined_shapes import current_shapes, joined_shape
 from ...objects import MESHED, labeled_mesh, triangle_mesh

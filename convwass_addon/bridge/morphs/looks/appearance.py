@@ -12,8 +12,8 @@ import numpy as np
 
 from ....applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ....applications.morphs.shading import FrameNormals, Shading
-from ....geometry.mesh import TriangleMesh
-from ....geometry.polygons import Polygons
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.meshes.polygons import Polygons
 from ...color_spaces import SRGB
 from ...element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ...image_files import pixel_values

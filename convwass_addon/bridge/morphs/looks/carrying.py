@@ -16,8 +16,8 @@ from ....applications.morphs.layouts import Blend
 from ....applications.morphs.morph_problem import MorphFrame
 from ....applications.morphs.origins import velocities
 from ....applications.morphs.shading import FrameNormals, frame_normals
-from ....geometry.mesh import TriangleMesh
-from ....geometry.polygons import Polygons
+from ....geometry.meshes.mesh import TriangleMesh
+from ....geometry.meshes.polygons import Polygons
 from ....progress import Work
 from ...animation_time import times_per_second
 from ...element_values import element_values

@@ -12,8 +12,8 @@ import numpy as np
 
 from ....applications.morphs.appearance import Appearance
 from ....applications.morphs.carried_uvs import UvMap
-from ....geometry.affine import transformed_points
-from ....geometry.normals import unit_vectors
+from ....geometry.algebra.affine import transformed_points
+from ....geometry.meshes.normals import unit_vectors
 from ...element_values import element_values, triangle_corners, triangle_polygons, write_attribute
 from ...joined_shapes import OWN_POSITION
 from ...rendered_maps import render_colors, render_uv_map

@@ -18,7 +18,7 @@ import numpy as np
 from ....applications.live.pad_places import pad_height
 from ....applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ....errors import InputError
-from ....geometry.bounds import bounds_of
+from ....geometry.arrays.bounds import bounds_of
 from ...element_values import vectors_of
 from ...node_inputs import node_input
 from ...node_math import joined, math_node, new_node, pick, switch
