@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from convwass_addon.applications.motions.guided_motion import GuidedMotion, guided_motion
-from convwass_addon.applications.motions.map_quality import map_quality
+from convwass_addon.applications.registrations.map_quality import map_quality
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.arrays.weighted_quantile import weighted_quantile
 from convwass_addon.geometry.deformation.poisson_deformation import mean_stretch

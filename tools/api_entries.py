@@ -25,6 +25,11 @@ APPLICATIONS = {
         "combined_motion": ("combined_motion", "CombinedMotion"),
         "motion": ("Motion", "MovedShape"),
     },
+    "registrations": {
+        "carriers": ("carrier_of", "Carrier"),
+        "mapped_pairs": ("mapped_pair",),
+        "pair_merits": ("MappedPair",),
+    },
     "outlines": {
         "outline_motion": ("outline_motion",),
         "moved_sheets": ("MovedSheets",),

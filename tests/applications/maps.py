@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions import motion_candidates, promising_maps
+from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.applications.outlines import limb_motion, moved_sheets
+from convwass_addon.applications.registrations import promising_maps
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.geometry.meshes.mesh import TriangleMesh

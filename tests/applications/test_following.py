@@ -20,13 +20,13 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.origins import velocities
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import sketchable_problem
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.posed_motion import PosedMotion
-from convwass_addon.applications.motions.shape_deformations import split_deformation
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.shape_deformations import split_deformation
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.level_sets.connectivity import Connectivity
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder

@@ -11,7 +11,7 @@ from benchmarks import bipeds, creatures, hands, props, quadrupeds
 from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, PROPS, SKINNED, TUNED, further_pairs
 from benchmarks.rival_measures import Connectivity
 from benchmarks.skinning import skinned
-from convwass_addon.applications.motions.corresponding_vertices import vertices_correspond
+from convwass_addon.applications.registrations.corresponding_vertices import vertices_correspond
 from convwass_addon.geometry.meshes.edges import topology
 from tests.shapes import box
 

@@ -12,8 +12,8 @@ from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
 from ..outlines.revolved_motion import revolved_motion
 from ..outlines.tube_motion import tube_motion
+from ..registrations.limbs import is_compact
 from ..workers import one_blas_thread
-from .limbs import is_compact
 from .motion_candidates import MotionCandidates
 from .motion_choice import FAILURES, MotionChoice, attempted, reason_of_stand_ins
 from .motion_request import MotionRequest

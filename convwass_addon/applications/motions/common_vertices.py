@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.meshes.mesh import TriangleMesh
-from .carriers import Carrier
+from ..registrations.carriers import Carrier
 
 # Shapes are scaled by at most this factor to keep their volume. They enclose one if the sum of their oriented areas is
 # at most the second number of their area: zero for closed surfaces, and one for a flat sheet.

@@ -28,19 +28,19 @@ from ...geometry.deformation.swing_twist import mean_turns, turn_matrices
 from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
+from ..registrations.carriers import Carrier, carrier_steps
+from ..registrations.consistent_maps import composed, composed_ways
+from ..registrations.corresponding_vertices import corresponding_pair, vertices_correspond
+from ..registrations.laid_meshes import Laid
+from ..registrations.map_quality import MapQuality, map_quality
+from ..registrations.mapped_pairs import mapped_pair, registering
+from ..registrations.pair_merits import MappedPair
+from ..registrations.shape_deformations import ShapeDeformation, split_deformation
 from ..workers import both_ways, in_step, one_blas_thread
-from .carriers import Carrier, carrier_steps
 from .common_vertices import VersionOfMesh, met, versions_of_mesh
-from .consistent_maps import composed, composed_ways
-from .corresponding_vertices import corresponding_pair, vertices_correspond
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
-from .laid_meshes import Laid
-from .map_quality import MapQuality, map_quality
-from .mapped_pairs import mapped_pair, registering
 from .motion import MovedShape
-from .pair_merits import MappedPair
-from .shape_deformations import ShapeDeformation, split_deformation
 
 # Least weight of a point in the rigid alignment, even if its map is not trusted at all.
 _LEAST_TRUST = 0.01

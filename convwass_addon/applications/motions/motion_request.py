@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from ...geometry.meshes.mesh import TriangleMesh
-from .corresponding_vertices import vertices_correspond
+from ..registrations.corresponding_vertices import vertices_correspond
 from .guides import Guide
 
 

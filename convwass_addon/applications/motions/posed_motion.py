@@ -19,13 +19,13 @@ from ...geometry.deformation.surface_rotations import surface_rotations
 from ...geometry.meshes.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Control
-from .carriers import Carrier, carrier_of
+from ..registrations.carriers import Carrier, carrier_of
+from ..registrations.laid_meshes import Laid
+from ..registrations.shape_deformations import posed_deformation, split_deformation
 from .combined_motion import CombinedMotion
 from .guided_motion import GuidedMotion
 from .guided_settings import GuidedSettings
-from .laid_meshes import Laid
 from .motion import Motion, MovedShape, arriving, weights_between
-from .shape_deformations import posed_deformation, split_deformation
 
 
 @dataclass(frozen=True)

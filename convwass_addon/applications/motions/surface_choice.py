@@ -9,12 +9,12 @@ from dataclasses import replace
 from ...progress import Control, Progress, Work, as_part, within
 from ...sentence import Sentence
 from ..outlines.revolved_motion import motion_with_parts
-from .limbs import is_compact
+from ..registrations.limbs import is_compact
+from ..registrations.pair_merits import TRUSTED
+from ..registrations.promising_maps import may_map
 from .motion_candidates import MotionCandidates, mapped_choice
 from .motion_choice import FAILURES, MotionChoice, attempted
 from .motion_request import MotionRequest
-from .pair_merits import TRUSTED
-from .promising_maps import may_map
 from .uncertain_maps import motion_by_uncertain_map
 from .unmapped_motion import unmapped_motion
 

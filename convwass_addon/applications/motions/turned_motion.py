@@ -19,8 +19,8 @@ from ...geometry.meshes.mesh import TriangleMesh
 from ...geometry.recognition.revolution import common_revolutions
 from ...geometry.solids.alignment import RigidMove, aligned
 from ...progress import Control
+from ..registrations.limbs import is_compact
 from .coherence import way_at
-from .limbs import is_compact
 from .motion import Motion, MovedShape, unmoved
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest

@@ -13,9 +13,9 @@ from ...geometry.meshes.edges import component_areas
 from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import Progress, Work, within
 from ...sentence import Sentence
+from ..registrations.pair_maps import DOUBTED
 from .motion_candidates import COARSE_EFFORT, MotionCandidates
 from .motion_choice import FAILURES, MotionChoice, attempted
-from .pair_maps import DOUBTED
 from .unmapped_motion import unmapped_motion
 from .warp_motion import WarpEffort, WarpMotion
 

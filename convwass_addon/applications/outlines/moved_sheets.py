@@ -17,14 +17,14 @@ from ...geometry.meshes.mesh import TriangleMesh
 from ...geometry.plane.closed_curves import boundary_of
 from ...geometry.plane.coverage import self_overlap
 from ...progress import Control
-from ..motions.carriers import Carrier, carrier_of
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
-from ..motions.laid_meshes import Laid
 from ..motions.motion import Motion, weights_between
 from ..motions.motion_choice import MotionChoice
-from ..motions.shape_deformations import ShapeDeformation, split_deformation
+from ..registrations.carriers import Carrier, carrier_of
+from ..registrations.laid_meshes import Laid
+from ..registrations.shape_deformations import ShapeDeformation, split_deformation
 from ..workers import both_ways, side_by_side
 from .agreeing_motion import AgreeingMotion
 from .outline_meshes import filled_outline, outline_knots, region_labels, region_meshes

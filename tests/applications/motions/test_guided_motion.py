@@ -12,9 +12,9 @@ import pytest
 
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.map_quality import map_quality
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
+from convwass_addon.applications.registrations.map_quality import map_quality
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.geometry.meshes.mesh import TriangleMesh

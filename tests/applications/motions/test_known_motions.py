@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.shape_deformations import split_deformation
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.meshes.mesh import TriangleMesh

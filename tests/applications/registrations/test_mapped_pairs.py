@@ -5,20 +5,20 @@
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions import facing_turns, mapped_pairs
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.mapped_pairs import mapped_pair
-from convwass_addon.applications.motions.pair_maps import PairMap
-from convwass_addon.applications.motions.pair_merits import MappedPair
-from convwass_addon.applications.motions.pair_registration import LaidPair
+from convwass_addon.applications.registrations import facing_turns, mapped_pairs
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.mapped_pairs import mapped_pair
+from convwass_addon.applications.registrations.pair_maps import PairMap
+from convwass_addon.applications.registrations.pair_merits import MappedPair
+from convwass_addon.applications.registrations.pair_registration import LaidPair
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.applications.motions.test_limb_pairs import RAISED_TAIL, animal, person
+from tests.applications.registrations.test_limb_pairs import RAISED_TAIL, animal, person
 from tests.grids import figure, sheet
 from tests.shapes import ball, shuffled, spring
 

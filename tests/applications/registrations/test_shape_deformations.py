@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.shape_deformations import split_deformation
 from convwass_addon.geometry.deformation.swing_twist import mean_turns, turn_matrices
 from convwass_addon.progress import UNINTERRUPTED
 from tests.shapes import bent, extruded

@@ -8,8 +8,8 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.limb_pairs import best_pairing, limb_pairs
-from convwass_addon.applications.motions.limb_tips import Limb, Limbs
+from convwass_addon.applications.registrations.limb_pairs import best_pairing, limb_pairs
+from convwass_addon.applications.registrations.limb_tips import Limb, Limbs
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from tests.shapes import PERSON, ball, body, capsules, joined

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.mirrored_guides import MirroredGuides, agreeing_sides
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.mirrored_guides import MirroredGuides, agreeing_sides
 from convwass_addon.geometry.deformation.upright_turns import rotation_about_z
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED

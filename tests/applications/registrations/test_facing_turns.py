@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.facing_turns import is_turned_over, tumbles
-from convwass_addon.applications.motions.laid_meshes import Laid
+from convwass_addon.applications.registrations.facing_turns import is_turned_over, tumbles
+from convwass_addon.applications.registrations.laid_meshes import Laid
 from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.grids import figure

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.coinciding_places import coinciding_places
+from convwass_addon.applications.registrations.coinciding_places import coinciding_places
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 

@@ -11,18 +11,18 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.common_vertices import met, versions_of_mesh
-from convwass_addon.applications.motions.corresponding_vertices import (
-    corresponding_pair,
-    vertices_correspond,
-)
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.corresponding_vertices import (
+    corresponding_pair,
+    vertices_correspond,
+)
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from convwass_addon.applications.motions.carriers import carrier_of, coarser
-from convwass_addon.applications.motions.grown_registration import grown_points
+from convwass_addon.applications.registrations.carriers import carrier_of, coarser
+from convwass_addon.applications.registrations.grown_registration import grown_points
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control

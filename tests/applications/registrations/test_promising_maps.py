@@ -9,8 +9,8 @@ import pytest
 
 from assets.sculpting import tube
 from benchmarks.sculptures import Sculpture
-from convwass_addon.applications.motions import promising_maps
-from convwass_addon.applications.motions.promising_maps import may_map
+from convwass_addon.applications.registrations import promising_maps
+from convwass_addon.applications.registrations.promising_maps import may_map
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.deformation.upright_turns import rotation_about_z
 from convwass_addon.geometry.meshes.mesh import TriangleMesh

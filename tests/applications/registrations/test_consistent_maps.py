@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.consistent_maps import composed, composed_ways
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.consistent_maps import composed, composed_ways
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.shape_deformations import split_deformation
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained

@@ -7,10 +7,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.map_quality import MapQuality, map_quality
-from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.map_quality import MapQuality, map_quality
+from convwass_addon.applications.registrations.shape_deformations import split_deformation
 from convwass_addon.progress import UNINTERRUPTED
 from tests.grids import sheet
 

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from benchmarks.blends import ASSETS, read_meshes
-from convwass_addon.applications.motions import map_survey
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.map_survey import Promise, RoughMap, best_rough_map
-from convwass_addon.applications.motions.pair_maps import PairMap
+from convwass_addon.applications.registrations import map_survey
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.map_survey import Promise, RoughMap, best_rough_map
+from convwass_addon.applications.registrations.pair_maps import PairMap
 from convwass_addon.geometry.algebra.rotation_fields import rotation_matrices
 from convwass_addon.geometry.solids.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained

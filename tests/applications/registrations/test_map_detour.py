@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions.map_detour import map_detour
+from convwass_addon.applications.registrations.map_detour import map_detour
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, joined
 

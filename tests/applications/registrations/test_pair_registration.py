@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks.coherence_pairs import pairs_named
-from convwass_addon.applications.motions import pair_registration
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.pair_registration import LaidPair, laid_on_each_other
+from convwass_addon.applications.registrations import pair_registration
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.pair_registration import LaidPair, laid_on_each_other
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure, sheet

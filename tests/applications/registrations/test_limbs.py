@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.limbs import is_compact
+from convwass_addon.applications.registrations.limbs import is_compact
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from tests.shapes import ball, box, joined, square, torus
 

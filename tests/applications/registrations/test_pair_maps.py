@@ -9,10 +9,10 @@ import pytest
 
 from assets.sculpting import ellipsoid, frustum, tube
 from benchmarks.sculptures import Sculpture
-from convwass_addon.applications.motions import pair_maps
-from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.mirrored_sides import MirroredSides, height_groups
-from convwass_addon.applications.motions.pair_maps import PairMap, pair_map
+from convwass_addon.applications.registrations import pair_maps
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.mirrored_sides import MirroredSides, height_groups
+from convwass_addon.applications.registrations.pair_maps import PairMap, pair_map
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions.carriers import carrier_of
+from convwass_addon.applications.registrations.carriers import carrier_of
 from convwass_addon.progress import UNINTERRUPTED
 from tests.shapes import ball, joined
 

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from benchmarks.blends import ASSETS, read_meshes
-from convwass_addon.applications.motions import map_survey
-from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.mirrored_sides import MirroredSides
-from convwass_addon.applications.motions.pair_proposals import DraftPair, symmetrized, total_cost
-from convwass_addon.applications.motions.pair_registration import _tightened
+from convwass_addon.applications.registrations import map_survey
+from convwass_addon.applications.registrations.carriers import carrier_of
+from convwass_addon.applications.registrations.laid_meshes import Laid
+from convwass_addon.applications.registrations.mirrored_sides import MirroredSides
+from convwass_addon.applications.registrations.pair_proposals import DraftPair, symmetrized, total_cost
+from convwass_addon.applications.registrations.pair_registration import _tightened
 from convwass_addon.geometry.meshes.mesh import TriangleMesh, joined_meshes
 from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.geometry.solids.orientation import orient_outward
