@@ -17,9 +17,9 @@ from mathutils import Matrix, Vector
 from numpy.typing import NDArray
 
 import convwass_addon
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 _ASSETS = Path(__file__).resolve().parent
 _FRAMES, _RESOLUTION = 5, 160

@@ -22,7 +22,7 @@ from convwass_addon.applications.morphs.parts import SplitShapes
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import Lattice, voxelized
 from convwass_addon.applications.motions.guides import Guide
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import payloads

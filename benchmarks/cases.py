@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from convwass_addon.applications.morphs import blend_solver, blending
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.files import save_blend
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
+from convwass_addon.bridge.files.output_paths import save_blend
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.transport import Grid, Inputs, barycenter
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained
 

@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 
 import convwass_addon
-from convwass_addon.bridge.files import save_blend
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
+from convwass_addon.bridge.files.output_paths import save_blend
 
 from .blends import ASSETS
 from .processes import peak_megabytes, run_case

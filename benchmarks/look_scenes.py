@@ -18,7 +18,7 @@ from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 # Islands of the cube: their width and distances in the texture.
 _ISLAND, _ACROSS, _UP = 0.3, 0.33, 0.5

@@ -19,7 +19,7 @@ from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.looks.carrying import Carrying
 from convwass_addon.bridge.objects import triangle_mesh

@@ -31,7 +31,7 @@ from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice, voxelized
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
 from convwass_addon.geometry.level_sets.isosurface import surface_enclosing
 from convwass_addon.geometry.meshes.centroid import centroid

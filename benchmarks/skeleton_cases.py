@@ -152,7 +152,7 @@ def _piece(mesh: TriangleMesh, joints: NDArray[np.float64]) -> TriangleMesh:
 def _read(path: Path) -> TriangleMesh:
     import bpy
 
-    from convwass_addon.bridge.imports import import_objects
+    from convwass_addon.bridge.files.imports import import_objects
     from convwass_addon.bridge.surfaces import surface_mesh
 
     bpy.ops.wm.read_factory_settings(use_empty=True)

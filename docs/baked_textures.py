@@ -15,8 +15,8 @@ from photographs import PROJECT, finer, row_picture, sample_shape
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import View
-from convwass_addon.bridge.image_files import pixel_values
+from convwass_addon.bridge.files.image_files import pixel_values
+from convwass_addon.bridge.studio.framing import View
 
 PICTURE = PROJECT / "docs" / "pictures" / "baked_textures.jpg"
 VALUES = (0.0, 0.3, 0.5, 0.7, 1.0)

@@ -15,9 +15,9 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
-from convwass_addon.bridge.studio import world_points
+from convwass_addon.bridge.studio.rendered_scene import world_points
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.geometry.meshes.uv_pixels import uv_pixels
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 

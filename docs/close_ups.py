@@ -25,8 +25,8 @@ from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio.framing import Pose, View
+from convwass_addon.bridge.studio.rendered_scene import Studio
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.

@@ -23,9 +23,9 @@ from convwass_addon.applications.densities.density_tools import diffused, unit_m
 from convwass_addon.applications.densities.surface_densities import density_figures, density_surface
 from convwass_addon.applications.densities.vertex_distances import distances_from
 from convwass_addon.bridge.densities.density_material import ROUGHNESS
-from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.heat_map import heat_colors
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio.framing import Pose, View
+from convwass_addon.bridge.studio.rendered_scene import Studio
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.progress import drained
 from convwass_addon.transport import Surface

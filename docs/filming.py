@@ -14,8 +14,8 @@ import bpy
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from convwass_addon.bridge.framing import View, broad_view, orbit
-from convwass_addon.bridge.studio import Studio, opening, world_points
+from convwass_addon.bridge.studio.framing import View, broad_view, orbit
+from convwass_addon.bridge.studio.rendered_scene import Studio, opening, world_points
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 

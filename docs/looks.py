@@ -23,7 +23,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.progress import drained
 
 _ROWS = {"COLORS": "Colors", "FADE": "Fade", "FRONT": "Front", "PATCHES": "Patches"}

@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 import bpy
 from photographs import PROJECT, photograph_row
 
-from convwass_addon.bridge.framing import View
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio.framing import View
+from convwass_addon.bridge.studio.rendered_scene import Studio
 from convwass_addon.cli.demo_moss import save_moss
 
 _FRAMES = (1, 40, 75, 110)

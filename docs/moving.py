@@ -23,10 +23,10 @@ from photographs import color_material, finer, sample_shape
 from walking_film import walking_frames
 
 import convwass_addon
-from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.studio import world_points
+from convwass_addon.bridge.studio.framing import View
+from convwass_addon.bridge.studio.rendered_scene import world_points
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

@@ -12,10 +12,10 @@ import bpy
 import numpy as np
 from PIL import Image
 
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.node_trees import own_tree
-from convwass_addon.bridge.studio import Studio, world_points
+from convwass_addon.bridge.files.imports import import_objects
+from convwass_addon.bridge.nodes.node_trees import own_tree
+from convwass_addon.bridge.studio.framing import Pose, View
+from convwass_addon.bridge.studio.rendered_scene import Studio, world_points
 
 PROJECT = Path(__file__).resolve().parents[1]
 

@@ -18,7 +18,7 @@ from photographs import row_picture
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import View
+from convwass_addon.bridge.studio.framing import View
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))

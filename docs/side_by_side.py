@@ -22,8 +22,8 @@ from clay import clay, frame_object
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio.framing import Pose, View
+from convwass_addon.bridge.studio.rendered_scene import Studio
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from convwass_addon.applications.skies.sky_frames import Skies
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.skies.sky_pixels import turned
 from convwass_addon.bridge.skies.world_skies import world_sky
 

@@ -21,8 +21,8 @@ from photographs import color_material, photograph_row, sample_shape
 
 import convwass_addon
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.framing import View
-from convwass_addon.bridge.studio import Studio
+from convwass_addon.bridge.studio.framing import View
+from convwass_addon.bridge.studio.rendered_scene import Studio
 
 _STEP = 2.15
 _SIZE = (2800, 540)

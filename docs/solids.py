@@ -17,7 +17,7 @@ import bpy
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.progress import drained
 

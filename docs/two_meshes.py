@@ -13,9 +13,9 @@ from photographs import PROJECT, row_picture, sample_shape
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.studio import world_points
+from convwass_addon.bridge.studio.framing import View
+from convwass_addon.bridge.studio.rendered_scene import world_points
 
 PICTURE = PROJECT / "docs" / "pictures" / "two_meshes.jpg"
 SHAPES = ("knot", "octopus")

@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.reflectance import lobe_interpolation, lobe_lookup
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.transport.sphere import directions, solid_angles
 
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 
 from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb
-from convwass_addon.bridge.image_files import opened_image, pixel_values
+from convwass_addon.bridge.files.image_files import opened_image, pixel_values
 from tests.applications.palettes import cloud, picture_of
 
 SIZE = (60, 40)

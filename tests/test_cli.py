@@ -25,7 +25,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.morphs import bake, job
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
 from convwass_addon.cli import interrupts, morph_baking, program
 from convwass_addon.errors import Cancelled, ConvwassError

@@ -12,7 +12,7 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes import recolor_job
-from convwass_addon.bridge.video import write_video
+from convwass_addon.bridge.studio.video import write_video
 from convwass_addon.cli import recolor_command
 from convwass_addon.errors import ConvwassError
 from tests.pictures import blue_image, image_of, mean_lab, pixels_in, red_image

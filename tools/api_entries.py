@@ -100,12 +100,12 @@ APPLICATIONS = {
 """In ``convwass_addon.applications``; arrays in, arrays out, no Blender."""
 
 BRIDGE = {
-    "imports": ("import_objects",),
+    "files.imports": ("import_objects",),
     "objects": ("triangle_mesh", "write_mesh"),
     "surfaces": ("read_surface",),
     "morphs.disk.exports": ("export_frames",),
     "vertex_groups": ("read_group", "write_group", "as_weights"),
-    "image_files": ("opened_image",),
+    "files.image_files": ("opened_image",),
     "palettes.image_files": ("save_pixels",),
     "palettes.image_pixels": ("read_picture",),
 }

@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..geometry.algebra.affine import transformed_points
 from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
-from .node_math import feed, joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
+from .nodes.node_math import feed, joined, matrix_node, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies, is_copied_by_parent
 from .object_materials import with_own_materials

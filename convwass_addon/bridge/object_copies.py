@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .element_values import write_attribute
-from .node_math import named_attribute, new_node, without_attribute
+from .nodes.node_math import named_attribute, new_node, without_attribute
 from .visibility import evaluated_object
 
 _TRANSFORM = "convwass_transform"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
+from .nodes.node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
 
 _SLOT = "convwass_slot"
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from .shown_nodes import nodes_of
+from .nodes.shown_nodes import nodes_of
 
 Color = tuple[float, float, float, float]
 

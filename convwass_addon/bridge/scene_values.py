@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from .nodes.shown_nodes import nodes_of
 from .object_values import Color, shown_property, write_properties
-from .shown_nodes import nodes_of
 
 
 @dataclass(frozen=True)

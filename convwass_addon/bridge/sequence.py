@@ -11,8 +11,8 @@ import numpy as np
 
 from .element_values import write_floats
 from .morphs.looks.frame_attributes import VELOCITY
-from .node_math import feed, joined, new_node, stored_attribute, switch
-from .node_trees import geometry_group
+from .nodes.node_math import feed, joined, new_node, stored_attribute, switch
+from .nodes.node_trees import geometry_group
 
 MODIFIER = "Frames"
 """Name of the modifier that selects the mesh."""

@@ -15,7 +15,7 @@ from ..errors import InputError
 from .element_values import write_attribute
 from .group_users import kept_group_users
 from .mesh_checks import readable_mesh, writable_mesh
-from .node_math import named_attribute, stored_attribute
+from .nodes.node_math import named_attribute, stored_attribute
 from .sequence import frame_group, own_geometry
 
 # Names of temporary attributes.

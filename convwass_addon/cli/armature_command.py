@@ -19,7 +19,7 @@ from ..bridge.armatures.pins import pin_joints, with_pins
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
 from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
-from ..bridge.imports import parse_source
+from ..bridge.files.imports import parse_source
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from ..applications.morphs.layouts import path_blends
 from ..applications.morphs.morph_settings import MorphSettings
-from ..bridge.blend_files import open_empty
-from ..bridge.files import save_blend
-from ..bridge.imports import import_objects
+from ..bridge.files.blend_files import open_empty
+from ..bridge.files.imports import import_objects
+from ..bridge.files.output_paths import save_blend
 from ..errors import InputError
 from .answer import Answer
 from .argument_types import WORKERS

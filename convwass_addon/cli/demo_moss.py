@@ -13,13 +13,13 @@ from ..applications.densities.density_frames import DensityFrames
 from ..applications.densities.density_paths import interpolation_steps
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import density_surface
-from ..bridge.blend_files import open_empty
 from ..bridge.densities.density_material import growth_material
 from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_store import StoredDensity
-from ..bridge.files import save_blend
-from ..bridge.imports import import_objects
-from ..bridge.photograph import set_up_photograph
+from ..bridge.files.blend_files import open_empty
+from ..bridge.files.imports import import_objects
+from ..bridge.files.output_paths import save_blend
+from ..bridge.studio.photograph import set_up_photograph
 from ..bridge.surfaces import surface_mesh
 from ..bridge.vertex_groups import write_group
 from ..progress import drained

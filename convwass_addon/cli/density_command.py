@@ -24,8 +24,8 @@ from ..bridge.densities.density_player import animate_density, keys_at
 from ..bridge.densities.density_request import DensityRequest, path_request
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.densities.result_groups import require_unpainted, write_result
-from ..bridge.files import checked_target, save_blend
-from ..bridge.imports import parse_source
+from ..bridge.files.imports import parse_source
+from ..bridge.files.output_paths import checked_target, save_blend
 from ..bridge.vertex_groups import group_names
 from ..console import ProgressBar
 from ..errors import InputError

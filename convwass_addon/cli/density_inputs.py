@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
-from ..bridge.blend_files import open_blend, open_empty, several_meshes
+from ..bridge.files.blend_files import open_blend, open_empty, several_meshes
+from ..bridge.files.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.frame_range import play_among_others, play_whole
-from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import SurfaceReading, ignored_notices, read_surface
 from ..bridge.vertex_groups import group_names, read_group
 from ..errors import InputError

@@ -26,7 +26,7 @@ from ..bridge.morphs.job import MorphJob
 from ..bridge.morphs.pictures.animation import render_animation
 from ..bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from ..bridge.morphs.stored import stored_diagnostics
-from ..bridge.studio import move_result
+from ..bridge.studio.rendered_scene import move_result
 from ..console import ProgressBar
 from ..errors import InputError
 from ..progress import Progress, watched

@@ -14,7 +14,7 @@ from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
 from ..applications.morphs.layouts import Blend
 from ..applications.one_mesh.texture_settings import TextureSettings
-from ..bridge.files import checked_target
+from ..bridge.files.output_paths import checked_target
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.morphs.disk.exports import SUFFIXES
 from ..bridge.morphs.inputs.followed_inputs import FOLLOW

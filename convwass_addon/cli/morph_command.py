@@ -17,12 +17,12 @@ from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.morphs.shape_check import check_shape
 from ..applications.whole_paths import path_with_suffix
-from ..bridge.blend_files import open_empty
-from ..bridge.files import checked_target
+from ..bridge.files.blend_files import open_empty
+from ..bridge.files.imports import live_shape
+from ..bridge.files.output_paths import checked_target
 from ..bridge.flat.choosing import asks_for_flat, refuse_following
 from ..bridge.flat.flat_imports import imported_shape
 from ..bridge.flat.picture_bake import pictures_of
-from ..bridge.imports import live_shape
 from ..bridge.morphs.disk.exports import export_frames
 from ..bridge.morphs.inputs.followed_inputs import FOLLOW
 from ..bridge.morphs.inputs.guides_of_files import guides_asked_for

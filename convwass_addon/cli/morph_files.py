@@ -10,11 +10,11 @@ from pathlib import Path
 
 import bpy
 
-from ..bridge.files import checked_folder, checked_target
+from ..bridge.files.imports import parse_source
+from ..bridge.files.numbered_files import numbered_paths
+from ..bridge.files.output_paths import checked_folder, checked_target
 from ..bridge.flat.flat_imports import TEXT
-from ..bridge.imports import parse_source
 from ..bridge.morphs.outputs import ON_DISK, folder_beside
-from ..bridge.numbered_files import numbered_paths
 
 
 def files_read(options: Namespace) -> list[Path]:

@@ -22,8 +22,8 @@ from ..applications.palettes.recolor_job import Picture, solved_map
 from ..applications.palettes.recoloring import Recoloring
 from ..applications.whole_paths import path_with_suffix, whole_path
 from ..applications.workers import thread_count
-from ..bridge.files import checked_target
-from ..bridge.numbered_files import numbered_paths
+from ..bridge.files.numbered_files import numbered_paths
+from ..bridge.files.output_paths import checked_target
 from ..bridge.palettes.image_files import require_depth, save_pixels
 from ..console import ProgressBar
 from ..drafts import DraftFiles

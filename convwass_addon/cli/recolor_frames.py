@@ -12,7 +12,7 @@ from typing import Protocol
 import bpy
 
 from ..applications.palettes.recolor_job import Picture
-from ..bridge.image_files import opened_image
+from ..bridge.files.image_files import opened_image
 from ..bridge.palettes.clip_frames import ClipFrames
 from ..bridge.palettes.image_pixels import read_picture
 from ..errors import InputError

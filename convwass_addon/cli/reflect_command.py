@@ -18,8 +18,8 @@ from ..applications.reflectance.materials import AshikhminShirley, BlinnPhong, G
 from ..applications.reflectance.merl import read_merl
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import MOST_ON_PAD, PadSheet, spread_out, way_weights
-from ..bridge.blend_files import open_empty
-from ..bridge.files import checked_target, save_blend
+from ..bridge.files.blend_files import open_empty
+from ..bridge.files.output_paths import checked_target, save_blend
 from ..bridge.reflectance.lobe_files import is_whole, read_whole_table, write_whole_table
 from ..bridge.reflectance.lobe_images import write_lobe_exr
 from ..bridge.reflectance.lobe_scene import show_on_balls

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..applications.whole_paths import path_with_suffix, share_a_place
-from ..bridge.files import checked_target, save_blend
-from ..bridge.imports import parse_source
+from ..bridge.files.imports import parse_source
+from ..bridge.files.output_paths import checked_target, save_blend
 from ..drafts import written_whole
 from ..errors import InputError
 from .answer import Answer

@@ -14,7 +14,7 @@ import bpy
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
-from ..bridge.files import creatable_folder, save_blend
+from ..bridge.files.output_paths import creatable_folder, save_blend
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.inputs.guides_of_files import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest

@@ -9,8 +9,8 @@ from contextlib import suppress
 import bpy
 
 from ..applications.whole_paths import whole_path
-from ..bridge.blend_files import appended_objects, open_empty
-from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
+from ..bridge.files.blend_files import appended_objects, open_empty
+from ..bridge.files.imports import BLEND, READERS, Source, import_objects, parse_source
 from .density_inputs import object_in_scene, opened_object
 
 # Formats that may contain weights and shape keys, which must not be applied.

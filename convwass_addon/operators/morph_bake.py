@@ -13,7 +13,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..bridge.files import creatable_folder
+from ..bridge.files.output_paths import creatable_folder
 from ..bridge.handles import Handle
 from ..bridge.morphs.inputs.morph_guides import NamedGuide, check_guide_names, guides_among, guides_now, parsed_guides
 from ..bridge.shape_sources import is_plain, shape_sources

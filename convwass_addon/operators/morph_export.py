@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.active import active_object
-from ..bridge.files import absolute_path, file_stem
+from ..bridge.files.output_paths import absolute_path, file_stem
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import InputError
 from ..progress import drained

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..bridge.files.openvdb_module import openvdb_module
 from ..bridge.keyframes import is_tweaked
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.players.blend_pad import build_blend_pad, require_sheet
@@ -19,7 +20,6 @@ from ..bridge.morphs.players.player_inputs import is_player, speed
 from ..bridge.morphs.players.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, interpolates
-from ..bridge.openvdb_module import openvdb_module
 from ..properties.from_schema import property_of, values_of, with_properties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle

@@ -13,9 +13,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.whole_paths import share_a_place
-from ..bridge.files import checked_folder
+from ..bridge.files.image_files import image_path
+from ..bridge.files.output_paths import checked_folder
 from ..bridge.handles import Handle
-from ..bridge.image_files import image_path
 from ..bridge.palettes.image_files import save_pixels
 from ..bridge.palettes.image_kinds import is_clip, source_of
 from ..drafts import DraftFiles

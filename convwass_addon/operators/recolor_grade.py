@@ -12,7 +12,7 @@ from bpy.props import StringProperty
 
 from ..applications.palettes.palette_settings import TableSettings
 from ..applications.whole_paths import path_with_suffix
-from ..bridge.files import absolute_path, checked_target
+from ..bridge.files.output_paths import absolute_path, checked_target
 from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError

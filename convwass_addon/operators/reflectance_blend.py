@@ -14,7 +14,7 @@ from bpy.props import StringProperty
 
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
-from ..bridge.files import absolute_path, checked_target
+from ..bridge.files.output_paths import absolute_path, checked_target
 from ..bridge.handles import Handle
 from ..bridge.reflectance.glossy_materials import GlossyMaterial, read_glossy
 from ..bridge.reflectance.material_pad import material_pad

@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..bridge.files import absolute_path
+from ..bridge.files.output_paths import absolute_path
 from ..bridge.reflectance.frame_span import Frames
 from ..errors import InputError
 from ..properties.light import sun_of

@@ -18,7 +18,7 @@ from convwass_addon.applications.densities.density_paths import interpolation_st
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.density_tools import diffused, unit_mass
 from convwass_addon.applications.densities.surface_densities import density_surface
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.surfaces import read_surface
 from convwass_addon.bridge.vertex_groups import as_weights, write_group
 from convwass_addon.progress import drained

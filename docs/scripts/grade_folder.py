@@ -18,7 +18,7 @@ from convwass_addon.applications.palettes.lookup_table import lookup_table, writ
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.applications.palettes.pixel_blocks import recolored_blocks
 from convwass_addon.applications.palettes.recoloring import recoloring
-from convwass_addon.bridge.image_files import opened_image
+from convwass_addon.bridge.files.image_files import opened_image
 from convwass_addon.bridge.palettes.image_files import save_pixels
 from convwass_addon.bridge.palettes.image_pixels import read_picture
 from convwass_addon.progress import drained

@@ -14,7 +14,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_inputs import MorphInputs
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.level_sets.mending import Connectivity
 from convwass_addon.geometry.meshes.edges import topology

@@ -17,7 +17,7 @@ from convwass_addon.bridge.morphs.looks import appearance as appearance_module
 from convwass_addon.bridge.morphs.looks.appearance import read_appearance, read_looks, seen_colors, write_carried
 from convwass_addon.bridge.morphs.looks.dropped_appearance import dropped_notes, dropped_parts
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import frozen_copy
 from convwass_addon.geometry.meshes.closest_points import ClosestPoints
 from convwass_addon.geometry.meshes.normals import triangle_normals

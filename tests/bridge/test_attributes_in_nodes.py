@@ -13,7 +13,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from tests.shapes import ball
 
 TRAVEL, BLENDS = 2.0, path_blends(2, 2)

@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, single_blend
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.files import save_blend
+from convwass_addon.bridge.files.output_paths import save_blend
 from convwass_addon.bridge.keyframes import shown_during
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.looks.materials import MATERIAL_NAME

@@ -9,14 +9,14 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.blend_files import (
+from convwass_addon.bridge.files.blend_files import (
     NAMES_SHOWN,
     appended_instances,
     appended_objects,
     listed_names,
     open_blend,
 )
-from convwass_addon.bridge.files import save_blend
+from convwass_addon.bridge.files.output_paths import save_blend
 from convwass_addon.errors import InputError
 
 

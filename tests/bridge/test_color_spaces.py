@@ -27,8 +27,8 @@ from mathutils import Color
 
 import convwass_addon
 from convwass_addon.bridge.color_spaces import SRGB, color_space
-from convwass_addon.bridge.image_files import pixel_values
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.files.image_files import pixel_values
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 bpy.ops.wm.read_factory_settings(use_empty=True)
 convwass_addon.register()

@@ -26,7 +26,7 @@ from convwass_addon.bridge.densities.density_player import (
 from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, StoredDensity, store_density, stored_density
 from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.nodes.node_inputs import node_input
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_to_new_file
 

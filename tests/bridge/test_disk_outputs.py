@@ -17,7 +17,7 @@ from mathutils import Matrix
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.bridge.files import save_blend
+from convwass_addon.bridge.files.output_paths import save_blend
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.disk import volume_output
 from convwass_addon.bridge.morphs.disk.cache_output import as_cache

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.edited_materials import is_edited, remember_made
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 
 def new_material(name="Made"):

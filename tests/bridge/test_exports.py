@@ -17,14 +17,14 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.image_files import opened_image, pixel_values
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.image_files import opened_image, pixel_values
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.disk import exports
 from convwass_addon.bridge.morphs.disk.exports import FORMATS, export_frames
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh import vertex_animation_files
 from convwass_addon.bridge.one_mesh.moving_meshes import triangles_of_frames

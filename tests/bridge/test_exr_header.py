@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.image_files import drawn_image
+from convwass_addon.bridge.files.image_files import drawn_image
 from convwass_addon.bridge.reflectance.exr_header import ExrSize, exr_size
 from convwass_addon.errors import InputError
 

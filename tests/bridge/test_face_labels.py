@@ -9,7 +9,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.imports import import_objects
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.objects import labeled_mesh, triangle_mesh
 from convwass_addon.errors import InputError

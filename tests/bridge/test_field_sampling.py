@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.files.openvdb_module import openvdb_module
 from convwass_addon.bridge.morphs.fields.field_sampling import closed_surface, signed_distances
 from convwass_addon.bridge.morphs.fields.stored_fields import BAND
-from convwass_addon.bridge.openvdb_module import openvdb_module
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import Control

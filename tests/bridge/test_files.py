@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.files import checked_folder, checked_target, file_stem, made_folder, save_blend
+from convwass_addon.bridge.files.output_paths import checked_folder, checked_target, file_stem, made_folder, save_blend
 from convwass_addon.drafts import DraftFiles
 from convwass_addon.errors import ConvwassError, InputError
 

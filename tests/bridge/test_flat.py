@@ -26,7 +26,7 @@ from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat
 from convwass_addon.bridge.flat.flat_rings import CurveStyle
 from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.plane.fitting import fitted_beziers

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.files.imports import live_shape
 from convwass_addon.bridge.flat.flat_imports import imported_shape
-from convwass_addon.bridge.imports import live_shape
 from convwass_addon.bridge.morphs.inputs.guides_of_files import guides_asked_for
 from convwass_addon.bridge.morphs.inputs.morph_guides import NamedGuide, guides_from_bones, guides_of_shapes
 from convwass_addon.bridge.objects import triangle_mesh

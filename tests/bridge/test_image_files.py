@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.image_files import (
+from convwass_addon.bridge.files.image_files import (
     ImageFormat,
     drawn_image,
     files_in_frame,
@@ -16,8 +16,8 @@ from convwass_addon.bridge.image_files import (
     pixel_values,
     write_image,
 )
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.errors import ConvwassError, InputError
 
 PIXELS = np.random.default_rng(0).random((4, 6, 4), dtype=np.float32)

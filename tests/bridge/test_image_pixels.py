@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.palettes.png_bytes import png_bytes
-from convwass_addon.bridge.image_files import opened_image, pixel_values
+from convwass_addon.bridge.files.image_files import opened_image, pixel_values
 from convwass_addon.bridge.palettes import image_files, image_pixels
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.errors import ConvwassError, InputError

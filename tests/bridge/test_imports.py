@@ -12,10 +12,10 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.files import save_blend
+from convwass_addon.bridge.files.imports import READERS, Source, checked_file, import_objects, parse_source
+from convwass_addon.bridge.files.output_paths import save_blend
 from convwass_addon.bridge.flat.flat_objects import read_rings
-from convwass_addon.bridge.imports import READERS, Source, checked_file, import_objects, parse_source
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 from tests.scene import linked

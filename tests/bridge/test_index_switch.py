@@ -8,11 +8,11 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge import index_switch as module
-from convwass_addon.bridge.index_switch import chosen, index_switch
-from convwass_addon.bridge.mesh_sequences import mesh_sequences
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import node_trees
+from convwass_addon.bridge.files.mesh_sequences import mesh_sequences
+from convwass_addon.bridge.nodes import index_switch as module
+from convwass_addon.bridge.nodes.index_switch import chosen, index_switch
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import node_trees
 from convwass_addon.bridge.sequence import frame_group, object_info, table_object
 
 

@@ -10,7 +10,7 @@ import pytest
 
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.joined_shapes import joined_shape, shown_live
-from convwass_addon.bridge.node_math import joined, new_node
+from convwass_addon.bridge.nodes.node_math import joined, new_node
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.sequence import frame_group
 from convwass_addon.bridge.shape_sources import shape_source

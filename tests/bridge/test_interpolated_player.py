@@ -25,7 +25,7 @@ from convwass_addon.bridge.morphs.players.player import make_player, refresh_pla
 from convwass_addon.bridge.morphs.players.player_inputs import detail, interpolation, is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.nodes.node_inputs import node_input
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import drained

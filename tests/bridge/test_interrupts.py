@@ -12,13 +12,13 @@ from importlib import import_module
 import bpy
 import pytest
 
-from convwass_addon.bridge.blend_files import open_blend, open_empty
-from convwass_addon.bridge.files import save_blend
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.files.blend_files import open_blend, open_empty
+from convwass_addon.bridge.files.imports import import_objects
+from convwass_addon.bridge.files.output_paths import save_blend
+from convwass_addon.bridge.files.scene_writing import write_still_gltf
 from convwass_addon.bridge.interrupts import delayed_interrupts, kept_interrupts
 from convwass_addon.bridge.morphs.disk.gltf_animation import write_gltf_animation
-from convwass_addon.bridge.scene_writing import write_still_gltf
-from convwass_addon.bridge.studio import run_render
+from convwass_addon.bridge.studio.rendered_scene import run_render
 from convwass_addon.errors import Cancelled
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

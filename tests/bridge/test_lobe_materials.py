@@ -16,7 +16,7 @@ from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH, h
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.reflectance.frame_span import Frames
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table

@@ -16,7 +16,7 @@ from convwass_addon.bridge.morphs.looks.materials import (
     see_through_material,
     shows_object_color,
 )
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 RED = (0.8, 0.1, 0.2, 1.0)
 

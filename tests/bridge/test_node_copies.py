@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
-from convwass_addon.bridge.node_copies import can_copy, copied_nodes
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_copies import can_copy, copied_nodes
+from convwass_addon.bridge.nodes.node_trees import own_tree
 
 
 def tree_of(name):

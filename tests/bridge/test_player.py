@@ -30,7 +30,7 @@ from convwass_addon.bridge.morphs.players.retiming import keyed_span
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, show_frames, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.nodes.node_inputs import node_input
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError

@@ -18,8 +18,8 @@ from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.players.dense_bake import bake_player
 from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.rendered_maps import render_colors, render_uv_map
 from convwass_addon.bridge.shape_sources import shape_source
 from convwass_addon.progress import drained

@@ -16,8 +16,8 @@ from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.morphs.looks.appearance import read_appearance
 from convwass_addon.bridge.morphs.looks.frame_attributes import COLOR
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.bridge.scene_colors import scene_of_srgb, scene_to_rec709, srgb_of_scene
 from convwass_addon.bridge.skies.sky_pixels import read_sky

@@ -13,8 +13,8 @@ from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.element_values import element_values
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job
 from convwass_addon.bridge.one_mesh.records import has_key_record, key_records
 from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh

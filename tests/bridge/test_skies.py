@@ -15,7 +15,7 @@ from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.keyframes import curves_of, interpolate
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
 from convwass_addon.bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps

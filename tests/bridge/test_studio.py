@@ -10,13 +10,13 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.framing import View, broad_view, orbit
 from convwass_addon.bridge.keyframes import FrameRange, key_visibility
 from convwass_addon.bridge.morphs.looks.materials import morph_material
 from convwass_addon.bridge.morphs.pictures.animation import render_animation
 from convwass_addon.bridge.morphs.pictures.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_matrix, world_points
+from convwass_addon.bridge.studio.framing import View, broad_view, orbit
+from convwass_addon.bridge.studio.rendered_scene import Studio, choose_cycles, opening, world_matrix, world_points
 from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.progress import drained
 from tests.controls import recorded

@@ -15,10 +15,10 @@ from mathutils import Color, Euler, Matrix
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
 from convwass_addon.applications.palettes.lab_colors import linear_of_srgb
-from convwass_addon.bridge.image_files import ImageFormat, drawn_image, pixel_values, write_image
+from convwass_addon.bridge.files.image_files import ImageFormat, drawn_image, pixel_values, write_image
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.object_values import ObjectValues
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys

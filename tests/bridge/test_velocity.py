@@ -15,7 +15,7 @@ from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.looks.carrying import rates_of
 from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from tests.pictures import pixels_in
 from tests.shapes import ball
 

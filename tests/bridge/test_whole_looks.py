@@ -19,8 +19,8 @@ from convwass_addon.bridge.morphs.looks.mixed_materials import MixedMaterials, W
 from convwass_addon.bridge.morphs.players.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
-from convwass_addon.bridge.node_math import new_node
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_math import new_node
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.object_values import ObjectValues
 from tests.shapes import ball
 

@@ -19,11 +19,11 @@ from convwass_addon import disk_space
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.system_errors import error_to_tell
 from convwass_addon.applications.whole_paths import path_with_suffix, whole_path
-from convwass_addon.bridge.files import checked_target, save_blend
+from convwass_addon.bridge.files.output_paths import checked_target, save_blend
+from convwass_addon.bridge.files.scene_writing import write_usd
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.palettes.image_files import save_pixels
-from convwass_addon.bridge.scene_writing import write_usd
-from convwass_addon.bridge.studio import move_result
+from convwass_addon.bridge.studio.rendered_scene import move_result
 from convwass_addon.cli import main
 from convwass_addon.disk_space import require_space, require_whole
 from convwass_addon.drafts import written_whole

@@ -14,7 +14,7 @@ from convwass_addon.bridge.keyframes import driver_targets
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.players.player_inputs import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from convwass_addon.bridge.visibility import update_places
 from tests.bridge.test_flat import drawing, square
 from tests.operators.morphs import baked_morph, census

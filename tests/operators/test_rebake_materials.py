@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.nodes.node_trees import own_tree
 from tests.operators.test_rebake_morph import middle_width, shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

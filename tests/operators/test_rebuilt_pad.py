@@ -12,7 +12,7 @@ from convwass_addon.bridge.morphs.players.pad_inputs import HANDLE, PAD, pad_par
 from convwass_addon.bridge.morphs.players.rebuilt_pad import rebuild_pad
 from convwass_addon.bridge.morphs.stand_ins import SHOWS_KEY, frames_modifier, shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs
-from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.nodes.node_inputs import node_input
 from convwass_addon.errors import InputError
 
 

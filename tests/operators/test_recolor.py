@@ -14,8 +14,8 @@ from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linea
 from convwass_addon.applications.palettes.lookup_table import read_cube
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.bridge.element_values import element_values
+from convwass_addon.bridge.files.image_files import pixel_values
 from convwass_addon.bridge.handles import Handle
-from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
 from convwass_addon.bridge.palettes.image_kinds import RESULT_OF
 from convwass_addon.errors import Cancelled

@@ -12,9 +12,9 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes.lookup_table import read_cube
-from convwass_addon.bridge.image_files import pixel_values
+from convwass_addon.bridge.files.image_files import pixel_values
 from convwass_addon.bridge.palettes.clip_frames import ClipFrames
-from convwass_addon.bridge.video import write_video
+from convwass_addon.bridge.studio.video import write_video
 from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
 from convwass_addon.operators.recolor_targets import shown_image

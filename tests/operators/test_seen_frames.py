@@ -12,7 +12,7 @@ from convwass_addon.bridge.morphs.players.player_inputs import MATERIAL, OVERRID
 from convwass_addon.bridge.morphs.players.seen_frames import seen_frames, shows_as_baked
 from convwass_addon.bridge.morphs.stand_ins import shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.nodes.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained

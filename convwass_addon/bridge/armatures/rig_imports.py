@@ -12,8 +12,8 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..blend_files import appended_objects, open_blend, open_empty, several_meshes
-from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
+from ..files.blend_files import appended_objects, open_blend, open_empty, several_meshes
+from ..files.imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
 from ..unused_data import removed_on_errors
 
 

@@ -19,11 +19,11 @@ from ...geometry.meshes.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
 from ..color_spaces import DATA, color_space
 from ..element_values import MeshTriangles, element_values
-from ..files import absolute_folder, file_stem, made_folder
-from ..image_files import ImageFormat, drawn_image, opaque_pixels, write_image
+from ..files.image_files import ImageFormat, drawn_image, opaque_pixels, write_image
+from ..files.numbered_files import numbered_paths
+from ..files.output_paths import absolute_folder, file_stem, made_folder
 from ..mesh_checks import readable_mesh, require_not_edited
 from ..morphs.disk.disk_output import for_blender
-from ..numbered_files import numbered_paths
 from .density_attributes import checked_frames
 from .density_nodes import NAME
 from .density_store import outputs_of_others, store_density, stored_or_new

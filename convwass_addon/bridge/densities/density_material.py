@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import math_node, new_node
-from ..node_trees import own_tree
+from ..nodes.node_math import math_node, new_node
+from ..nodes.node_trees import own_tree
 from .density_nodes import NAME
 
 ROUGHNESS = 0.55

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import feed, math_node, named_attribute, new_node, pick, stored_attribute, sum_over, switch
-from ..node_trees import GroupInput, add_inputs
+from ..nodes.node_math import feed, math_node, named_attribute, new_node, pick, stored_attribute, sum_over, switch
+from ..nodes.node_trees import GroupInput, add_inputs
 from ..sequence import frame_group, own_geometry
 
 VALUE = "Density"

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ..color_attributes import show_colors, write_colors
 from ..heat_map import heat_colors
 from ..mesh_checks import other_kind, writable_mesh
-from ..node_inputs import node_input
+from ..nodes.node_inputs import node_input
 from ..vertex_groups import as_weights, require_unlocked
 from .density_attributes import checked_frames
 from .density_nodes import COLORS, NAME, color_name

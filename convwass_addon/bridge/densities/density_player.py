@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ..keyframes import channels_of, ease, is_driven, own_action
 from ..mesh_checks import writable_mesh
-from ..node_inputs import NodeInput, node_input
+from ..nodes.node_inputs import NodeInput, node_input
 from ..unused_data import remove_if_unused
 from .density_attributes import checked_frames, remove_color, remove_frames, require_free, write_frames
 from .density_nodes import DENSITY_KEY, NAME, VALUE, density_tree, fill

@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter
 from ...errors import InputError
 from ...geometry.level_sets.contours import outline_enclosing
 from ...geometry.plane.fitting import fitted_polygons
-from ..image_files import pixel_values, refuse_damaged
+from ..files.image_files import pixel_values, refuse_damaged
 from .flat_rings import FlatRings
 
 # Larger images are downsampled to this number of pixels per side.

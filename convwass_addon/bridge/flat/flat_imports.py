@@ -15,9 +15,9 @@ from mathutils import Matrix
 from ...errors import InputError
 from ...geometry.algebra.affine import transformed_points
 from ..element_values import element_values, write_floats
-from ..image_files import loaded_image
-from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
-from ..scratch_scene import scratch_scene
+from ..files.image_files import loaded_image
+from ..files.imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
+from ..files.scratch_scene import scratch_scene
 
 TEXT = "text:"
 """Prefix of text shapes."""

@@ -23,16 +23,16 @@ from ...drafts import DraftFiles
 from ...errors import InputError
 from ..color_spaces import SRGB, color_space
 from ..edited_materials import remember_made
+from ..files.image_files import image_path
+from ..files.numbered_files import file_number, numbered_paths
 from ..handles import Handle, found
-from ..image_files import image_path
 from ..morphs.bake import MorphBake, alone_in, check_frames
 from ..morphs.disk.disk_output import for_blender, output_folder, remember_folder
 from ..morphs.disk.written_files import drop_surplus, store_written
 from ..morphs.inputs.frozen_inputs import FrozenInput
 from ..morphs.looks.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import frame_objects
-from ..node_trees import own_tree
-from ..numbered_files import file_number, numbered_paths
+from ..nodes.node_trees import own_tree
 from ..palettes.image_files import save_pixels
 from ..unused_data import remove_if_unused
 from .gray_inputs import GrayInput

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..index_switch import chosen, index_switch
+from ..nodes.index_switch import chosen, index_switch
 from ..sequence import object_info
 
 _OUTPUTS = {"Geometry": "GEOMETRY", "Transform": "MATRIX", "Color": "RGBA"}

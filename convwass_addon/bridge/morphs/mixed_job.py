@@ -11,7 +11,7 @@ from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.morph_problem import MorphFrame
 from ...progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ...sentence import Sentence
-from ..openvdb_module import openvdb_module
+from ..files.openvdb_module import openvdb_module
 from ..scene_context import in_scene
 from .disk.disk_output import read_files
 from .fields.field_job import FieldJob

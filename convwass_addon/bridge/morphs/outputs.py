@@ -12,7 +12,7 @@ import bpy
 from ...drafts import new_draft
 from ...errors import ConvwassError
 from ...progress import drained
-from ..files import checked_target, save_blend
+from ..files.output_paths import checked_target, save_blend
 from ..operator_errors import reason
 from .disk.cache_output import as_cache
 from .disk.disk_output import DiskOutput, filled_folder, keep_folder, named_folder

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ...applications.whole_paths import share_a_place
 from ..element_values import element_values, write_attribute, write_floats
+from ..files.image_files import image_path
 from ..handles import Handle
-from ..image_files import image_path
 from ..object_names import without_number
 
 BAKED = "convwass_baked"

@@ -22,16 +22,16 @@ from ...disk_space import require_space
 from ...drafts import new_draft, written_whole
 from ...errors import InputError
 from ...sentence import Sentence
-from ..borrowed_names import borrowed_names
 from ..element_values import write_floats
-from ..files import checked_target
+from ..files.borrowed_names import borrowed_names
+from ..files.mesh_sequences import mesh_sequences
+from ..files.output_paths import checked_target
+from ..files.scene_writing import write_alembic, write_draft, write_usd
 from ..interrupts import kept_interrupts
 from ..mesh_checks import require_not_edited
-from ..mesh_sequences import mesh_sequences
 from ..morphs.disk.gltf_animation import write_gltf_animation
 from ..morphs.looks.appearance import write_velocity
 from ..objects import evaluated_mesh, take_own_materials
-from ..scene_writing import write_alembic, write_draft, write_usd
 from ..visibility import is_in, shown_objects
 from .attached_parts import attached_parts
 from .keyed_copies import assign_plain_material, keyed_copies, posed_copies

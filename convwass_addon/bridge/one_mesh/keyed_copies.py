@@ -13,11 +13,11 @@ import numpy as np
 from mathutils import Matrix
 
 from ..animation_time import returning, show_time
-from ..borrowed_names import borrowed_names
+from ..files.borrowed_names import borrowed_names
+from ..files.scratch_scene import scratch_animation
 from ..keyframes import curves_of, interpolate, use_action
 from ..morphs.looks.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, take_own_materials, transform_mesh, unsheared_factors
-from ..scratch_scene import scratch_animation
 from .limiting_groups import anchor_vertices, apply_key_groups
 from .rig_poses import key_matrices, key_poses, rig_poses
 from .skinning import armatures, influences

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...sentence import Sentence
 from ..morphs.looks.look_groups import GENERATED_TEXTURES
-from ..shown_nodes import nodes_of
+from ..nodes.shown_nodes import nodes_of
 from .skinning import armatures
 
 # Differences between matrices that do not count.

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from ...errors import ConvwassError
 from ..color_spaces import DATA, color_space
-from ..image_files import pixel_values
-from ..node_trees import own_tree
+from ..files.image_files import pixel_values
+from ..files.scratch_scene import scratch_scene
+from ..nodes.node_trees import own_tree
+from ..nodes.shown_nodes import nodes_of
 from ..operator_errors import reason
-from ..scratch_scene import scratch_scene
-from ..shown_nodes import nodes_of
 from .texture_channels import NORMAL, Channel, ShownChannel, shown_channel
 from .texture_looks import Look
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..image_files import files_in_frame
-from ..node_math import Value, math_node, new_node, vector_math_node
-from ..node_trees import own_tree
-from ..shown_nodes import linked_output, nodes_of, shown_tree, source_node
+from ..files.image_files import files_in_frame
+from ..nodes.node_math import Value, math_node, new_node, vector_math_node
+from ..nodes.node_trees import own_tree
+from ..nodes.shown_nodes import linked_output, nodes_of, shown_tree, source_node
 
 _METALS = ("BSDF_GLOSSY", "BSDF_METALLIC")
 

@@ -18,9 +18,9 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..color_spaces import DATA, SRGB, color_space
 from ..element_values import element_values
-from ..files import creatable_folder, create_folder, file_stem
+from ..files.image_files import opaque_pixels
+from ..files.output_paths import creatable_folder, create_folder, file_stem
 from ..handles import Handle
-from ..image_files import opaque_pixels
 from ..mesh_checks import writable_mesh
 from ..morphs.disk.disk_output import for_blender
 from ..scene_colors import srgb_of_scene

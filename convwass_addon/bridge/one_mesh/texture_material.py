@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..node_math import Value, math_node, mixed, new_node, total
-from ..node_trees import own_tree
+from ..nodes.node_math import Value, math_node, mixed, new_node, total
+from ..nodes.node_trees import own_tree
 from .texture_channels import EMISSION, NORMAL, Channel
 
 # Places of nodes.

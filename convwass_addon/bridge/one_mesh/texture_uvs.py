@@ -12,8 +12,8 @@ from ...errors import InputError
 from ...geometry.meshes.normals import doubled_areas, triangle_areas
 from ...geometry.meshes.uv_pixels import UvPixels, uv_pixels
 from ..element_values import element_values, triangle_corners, vectors_of
+from ..files.scratch_scene import scratch_scene
 from ..rendered_maps import render_uv_map
-from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 
 BAKED_UVS = "Baked"

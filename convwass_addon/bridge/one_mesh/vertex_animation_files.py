@@ -21,10 +21,10 @@ from ...drafts import DraftFiles, written_together
 from ...geometry.meshes.mesh import TriangleMesh
 from ..color_spaces import DATA, color_space
 from ..element_values import element_values, write_floats
-from ..image_files import ImageFormat, drawn_image, opaque_pixels, save_image
+from ..files.image_files import ImageFormat, drawn_image, opaque_pixels, save_image
+from ..files.scene_writing import write_draft, write_still_gltf
+from ..files.scratch_scene import scratch_scene
 from ..objects import write_triangles
-from ..scene_writing import write_draft, write_still_gltf
-from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 from .moving_meshes import MovingVertices
 

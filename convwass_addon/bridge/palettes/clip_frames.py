@@ -11,11 +11,11 @@ import bpy
 
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
+from ..files.image_files import image_path
+from ..files.numbered_files import numbered_paths, split_number, with_number
 from ..handles import Handle
-from ..image_files import image_path
 from ..last_result import last_result
 from ..morphs.disk.disk_output import for_blender
-from ..numbered_files import numbered_paths, split_number, with_number
 from .image_files import FORMATS
 from .image_kinds import RESULT_OF, is_clip, source_of
 from .image_pixels import read_picture

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from ...applications.palettes.lookup_table import LookupTable
 from ..color_spaces import SRGB, color_space
-from ..data_images import data_image
+from ..files.data_images import data_image
 from ..last_result import last_result
-from ..node_math import feed, math_node, mixed, new_node
+from ..nodes.node_math import feed, math_node, mixed, new_node
 from ..unused_data import remove_if_unused
 
 Socket = bpy.types.NodeSocket

@@ -13,7 +13,7 @@ from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..color_spaces import DATA, LINEAR, SRGB
-from ..image_files import pixel_values, refuse_damaged
+from ..files.image_files import pixel_values, refuse_damaged
 from ..last_result import last_result
 from ..scene_colors import scene_to_rec709
 from .image_kinds import RESULT_OF, source_of

@@ -12,8 +12,8 @@ import numpy as np
 from ...applications.reflectance.materials import Ggx
 from ...errors import InputError
 from ...sentence import Sentence
-from ..image_files import pixel_values
-from ..shown_nodes import linked_output, shown_tree, source_node
+from ..files.image_files import pixel_values
+from ..nodes.shown_nodes import linked_output, shown_tree, source_node
 
 _QUARTER_TOLERANCE = 1e-3
 # Glossy BSDF allows an aspect of 0, which no table can represent.

@@ -18,9 +18,9 @@ from ...applications.whole_paths import whole_path
 from ...drafts import written_whole
 from ...errors import InputError
 from ..color_spaces import DATA, color_space
-from ..data_images import data_image
-from ..files import checked_target
-from ..image_files import opened_image, pixel_values
+from ..files.data_images import data_image
+from ..files.image_files import opened_image, pixel_values
+from ..files.output_paths import checked_target
 from .exr_header import exr_size
 
 # Brighter lobes are invalid.

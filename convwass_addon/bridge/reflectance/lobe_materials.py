@@ -15,7 +15,7 @@ from ...applications.reflectance.materials import Ggx
 from ..edited_materials import is_edited, remember_made
 from ..keyframes import clear_animation, curves_of, drivers_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
-from ..node_trees import own_tree
+from ..nodes.node_trees import own_tree
 from ..unused_data import remove_if_unused
 from .frame_span import Frames
 from .lobe_images import lobe_image

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...applications.reflectance.lobe_lookup import HEIGHT
-from ..node_math import math_node, mixed, new_node, vector_math_node
+from ..nodes.node_math import math_node, mixed, new_node, vector_math_node
 
 GROUP = "Interpolated Lobe"
 """Name of the node group."""

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data_images import data_image
+from ..files.data_images import data_image
 from ..unused_data import remove_if_unused
 from .lobe_materials import (
     RESULT_OF,

@@ -13,7 +13,7 @@ from scipy.sparse import csr_array
 
 from ...errors import InputError
 from ...transport.sphere import solid_angles
-from ..image_files import (
+from ..files.image_files import (
     ImageFormat,
     drawn_image,
     opaque_pixels,

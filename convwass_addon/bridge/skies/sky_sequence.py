@@ -17,8 +17,8 @@ from ...drafts import DraftFiles
 from ...errors import ConvwassError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..files import checked_folder
-from ..numbered_files import file_number, numbered_paths
+from ..files.numbered_files import file_number, numbered_paths
+from ..files.output_paths import checked_folder
 from .sky_pixels import write_sky
 
 # Fraction of the work spent on finding the suns.

@@ -15,16 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
-from ..image_files import image_path
+from ..files.image_files import image_path
+from ..files.numbered_files import file_number, split_number, with_number
 from ..keyframes import clear_animation, curves_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
 from ..morphs.disk.disk_output import for_blender
 from ..morphs.stored import FIRST_FRAMES
-from ..node_trees import own_tree
-from ..numbered_files import file_number, split_number, with_number
+from ..nodes.node_trees import own_tree
+from ..nodes.shown_nodes import shown_tree, source_node
 from ..object_names import without_number
-from ..shown_nodes import shown_tree, source_node
-from ..studio import choose_cycles, run_render
+from ..studio.rendered_scene import choose_cycles, run_render
 from ..unused_data import remove_if_unused
 from .sky_pixels import read_sky, read_sky_file, resized
 

@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...geometry.meshes.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Work, as_part
 from ...sentence import Sentence
-from ..blend_files import listed_names
+from ..files.blend_files import listed_names
 from .soft_map_requests import TransferRequest
 
 

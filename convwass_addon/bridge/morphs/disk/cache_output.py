@@ -10,9 +10,9 @@ from typing import Literal
 import bpy
 
 from ....errors import ConvwassError, InputError
+from ...files.scratch_scene import scratch_scene
 from ...operator_errors import reason
 from ...render_settings import take_render_settings
-from ...scratch_scene import scratch_scene
 from ...unused_data import remove_if_unused
 from ..looks.materials import attribute_material
 from ..stored import frame_objects, shown_frames

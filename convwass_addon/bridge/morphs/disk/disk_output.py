@@ -16,7 +16,7 @@ import bpy
 
 from ....applications.whole_paths import whole_path
 from ....errors import InputError
-from ...files import absolute_folder, creatable_folder, create_folder, file_stem
+from ...files.output_paths import absolute_folder, creatable_folder, create_folder, file_stem
 from ...linked_data import overriding
 from ...unused_data import remove_if_unused
 

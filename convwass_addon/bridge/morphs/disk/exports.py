@@ -19,16 +19,16 @@ from ....disk_space import require_space
 from ....drafts import new_draft, replace_together
 from ....errors import ConvwassError, InputError
 from ...element_values import element_values, write_floats
-from ...files import checked_target, file_stem
-from ...mesh_sequences import mesh_sequences
-from ...numbered_files import numbered_paths
+from ...files.mesh_sequences import mesh_sequences
+from ...files.numbered_files import numbered_paths
+from ...files.output_paths import checked_target, file_stem
+from ...files.scene_writing import write_alembic, write_draft, write_still_gltf, write_usd
+from ...files.scratch_scene import scratch_animation, scratch_scene
 from ...objects import world_copy
 from ...one_mesh.moving_meshes import triangles_of_frames
 from ...one_mesh.vertex_animation_files import write_changing_mesh
 from ...operator_errors import reason
 from ...scene_colors import set_colors
-from ...scene_writing import write_alembic, write_draft, write_still_gltf, write_usd
-from ...scratch_scene import scratch_animation, scratch_scene
 from ..looks.appearance import VELOCITY, seen_colors, write_velocity
 from ..looks.materials import plain_copy, shows_color_attribute, shows_object_color
 from ..stored import shown_frames, some_frame_objects

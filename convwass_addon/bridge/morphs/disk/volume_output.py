@@ -21,9 +21,9 @@ from ....geometry.meshes.mesh import TriangleMesh
 from ....geometry.solids.occupancy import occupancy
 from ....progress import Progress, Work
 from ....sentence import Sentence
-from ...numbered_files import file_number, numbered_paths
+from ...files.numbered_files import file_number, numbered_paths
+from ...files.openvdb_module import openvdb_module
 from ...objects import triangle_meshes
-from ...openvdb_module import openvdb_module
 from ...render_settings import take_render_settings
 from ...visibility import layers_with
 from ..looks.materials import morph_material

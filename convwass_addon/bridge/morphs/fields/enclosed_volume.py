@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ...node_math import clamped, math_node, sum_over, vector_math_node
+from ...nodes.node_math import clamped, math_node, sum_over, vector_math_node
 from .field_sampler import position_node, set_position
 
 

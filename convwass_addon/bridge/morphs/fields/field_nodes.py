@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...node_math import (
+from ...nodes.node_math import (
     clamped,
     feed,
     math_node,

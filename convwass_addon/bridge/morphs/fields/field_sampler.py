@@ -12,8 +12,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_math import math_node, new_node, vector_math_node
-from ...node_trees import geometry_group
+from ...nodes.node_math import math_node, new_node, vector_math_node
+from ...nodes.node_trees import geometry_group
 
 
 @dataclass(frozen=True)

@@ -29,8 +29,8 @@ from ....progress import UNINTERRUPTED, Control, Progress, Work, drained
 from ....sentence import Sentence
 from ...animation_time import returning, show_time
 from ...element_values import write_attribute
+from ...files.openvdb_module import openvdb_module
 from ...objects import triangle_meshes
-from ...openvdb_module import openvdb_module
 from ...sequence import write_table
 from ..inputs.followed_inputs import stays_animated
 from ..stand_ins import adopt, hide_fields

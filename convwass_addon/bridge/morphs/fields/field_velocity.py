@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from ...node_math import math_node, vector_math_node, weighted_sum, weighted_vectors
+from ...nodes.node_math import math_node, vector_math_node, weighted_sum, weighted_vectors
 from .field_nodes import FieldMixture
 from .field_sampler import position_node
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from ...node_math import (
+from ...nodes.node_math import (
     clamped,
     math_node,
     named_attribute,

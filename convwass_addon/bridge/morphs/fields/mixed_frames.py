@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ...node_math import (
+from ...nodes.node_math import (
     math_node,
     new_node,
     stored_attribute,

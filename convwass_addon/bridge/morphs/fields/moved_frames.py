@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from ...node_math import math_node, named_attribute, stored_attribute, switch, vector_math_node, weighted_vectors
+from ...nodes.node_math import math_node, named_attribute, stored_attribute, switch, vector_math_node, weighted_vectors
 from ..frame_switch import FrameSwitch
 from ..looks.frame_attributes import VELOCITY
 from .field_nodes import FieldMixture, Term

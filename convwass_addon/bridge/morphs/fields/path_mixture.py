@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ...node_math import clamped, math_node, new_node, sum_over, switch
-from ...node_trees import GroupInput, add_inputs
+from ...nodes.node_math import clamped, math_node, new_node, sum_over, switch
+from ...nodes.node_trees import GroupInput, add_inputs
 from ...sequence import object_info, transformed
 from ..frame_switch import FrameSwitch
 from ..looks.frame_attributes import VELOCITY

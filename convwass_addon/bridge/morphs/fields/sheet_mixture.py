@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_math import clamped, math_node, new_node, stored_attribute, switch, vector_math_node
+from ...nodes.node_math import clamped, math_node, new_node, stored_attribute, switch, vector_math_node
 from ..frame_switch import FrameSwitch
 from ..looks.frame_attributes import VELOCITY
 from .field_nodes import FieldMixture, Term

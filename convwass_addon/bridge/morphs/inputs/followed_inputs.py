@@ -22,7 +22,7 @@ from ...handles import found
 from ...joined_shapes import joined_shape, shown_live
 from ...keyframes import drivers_of
 from ...mouse_progress import progress_at_mouse
-from ...node_math import matrix_node, new_node
+from ...nodes.node_math import matrix_node, new_node
 from ...objects import MESHED, frozen_copy, triangle_mesh
 from ...rendered_maps import put_rendered_first
 from ...sequence import MODIFIER, frame_group, transformed

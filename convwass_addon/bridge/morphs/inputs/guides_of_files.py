@@ -13,9 +13,9 @@ import bpy
 from ....applications.whole_paths import whole_path
 from ....errors import InputError
 from ....geometry.meshes.mesh import TriangleMesh
-from ...blend_files import appended_objects
-from ...imports import BLEND, only_kept_data, parse_source
-from ...scratch_scene import scratch_scene
+from ...files.blend_files import appended_objects
+from ...files.imports import BLEND, only_kept_data, parse_source
+from ...files.scratch_scene import scratch_scene
 from ...surfaces import surface_mesh
 from .morph_guides import (
     NamedGuide,

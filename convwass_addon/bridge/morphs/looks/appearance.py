@@ -16,7 +16,7 @@ from ....geometry.meshes.mesh import TriangleMesh
 from ....geometry.meshes.polygons import Polygons
 from ...color_spaces import SRGB
 from ...element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
-from ...image_files import pixel_values
+from ...files.image_files import pixel_values
 from ...rendered_maps import render_colors, render_uv_map
 from ...scene_colors import kind_of_colors, scene_of_srgb
 from ...vertex_groups import mesh_weights

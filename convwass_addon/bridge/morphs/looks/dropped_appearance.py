@@ -13,8 +13,8 @@ import numpy as np
 from ....applications.morphs.appearance import Appearance, Plain
 from ....applications.morphs.diagnostics import Diagnostic
 from ...keyframes import has_animation
-from ...node_trees import node_trees
-from ...shown_nodes import nodes_of, shown_output
+from ...nodes.node_trees import node_trees
+from ...nodes.shown_nodes import nodes_of, shown_output
 from .appearance import upstream_links
 from .materials import base_color, is_object_color, principled_of
 from .mixed_materials import emission_node

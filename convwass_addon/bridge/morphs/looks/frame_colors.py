@@ -8,8 +8,8 @@ from collections.abc import Iterable, Sequence
 
 import bpy
 
-from ...node_math import Value, new_node, stored_attribute
-from ...node_trees import node_trees
+from ...nodes.node_math import Value, new_node, stored_attribute
+from ...nodes.node_trees import node_trees
 from .materials import shows_object_color
 
 COLOR = "morph_color"

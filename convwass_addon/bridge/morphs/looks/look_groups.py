@@ -13,12 +13,12 @@ from dataclasses import dataclass, field
 
 import bpy
 
-from ...node_copies import can_copy, copied_nodes
-from ...node_math import new_node
-from ...node_trees import node_trees
+from ...nodes.node_copies import can_copy, copied_nodes
+from ...nodes.node_math import new_node
+from ...nodes.node_trees import node_trees
+from ...nodes.shown_nodes import shown_output, shown_tree
 from ...object_names import numbered_names
 from ...object_values import ObjectValues, reads_property
-from ...shown_nodes import shown_output, shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
 from .materials import mark_as_frames
 

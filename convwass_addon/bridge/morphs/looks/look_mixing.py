@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...node_math import math_node, mixed, new_node
+from ...nodes.node_math import math_node, mixed, new_node
 from .frame_attributes import GENERATED, LOOKS
 from .look_groups import DISPLACEMENT, SURFACE
 

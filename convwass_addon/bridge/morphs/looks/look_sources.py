@@ -16,8 +16,8 @@ from ....geometry.algebra.affine import transformed_points
 from ....geometry.meshes.normals import unit_vectors
 from ...element_values import element_values, triangle_corners, triangle_polygons, write_attribute
 from ...joined_shapes import OWN_POSITION
+from ...nodes.shown_nodes import nodes_of
 from ...rendered_maps import render_colors, render_uv_map
-from ...shown_nodes import nodes_of
 from ..inputs.frozen_inputs import FrozenInput
 from .appearance import write_source_weights
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import bpy
 
-from ...node_math import new_node
-from ...node_trees import own_tree
-from ...shown_nodes import linked_output, shown_output, shown_tree
+from ...nodes.node_math import new_node
+from ...nodes.node_trees import own_tree
+from ...nodes.shown_nodes import linked_output, shown_output, shown_tree
 
 MATERIAL_NAME = "Convwass Morph"
 

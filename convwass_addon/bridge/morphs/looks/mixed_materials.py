@@ -11,8 +11,8 @@ import bpy
 
 from ...edited_materials import remember_made
 from ...handles import Handle, found
-from ...node_math import new_node
-from ...shown_nodes import shown_output
+from ...nodes.node_math import new_node
+from ...nodes.shown_nodes import shown_output
 from ...unused_data import remove_if_unused
 from .frame_attributes import COLOR, LOOK, SOURCE_WEIGHT
 from .look_mixing import MixedLook, group_look, show_looks

@@ -13,9 +13,9 @@ import numpy as np
 from ....applications.morphs.appearance import Appearance
 from ...handles import Handle
 from ...joined_shapes import OWN_POSITION
-from ...node_trees import node_trees
+from ...nodes.node_trees import node_trees
+from ...nodes.shown_nodes import nodes_of
 from ...object_values import reads_property
-from ...shown_nodes import nodes_of
 from ..inputs.frozen_inputs import FrozenInput
 from .dropped_appearance import DroppedPart, dropped_parts, dropped_passes, dropped_with_looks
 from .frame_attributes import GENERATED

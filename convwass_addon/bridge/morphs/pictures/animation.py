@@ -14,9 +14,9 @@ import numpy as np
 from ....errors import InputError
 from ....progress import Progress, Work
 from ....sentence import Sentence
-from ...framing import View, broad_view, orbit
-from ...studio import Studio, checked_output, opening, world_points
-from ...video import write_video
+from ...studio.framing import View, broad_view, orbit
+from ...studio.rendered_scene import Studio, checked_output, opening, world_points
+from ...studio.video import write_video
 from ...visibility import shown_at
 from ..stored import frame_objects, shown_frames
 

@@ -12,9 +12,9 @@ import bpy
 import numpy as np
 
 from ....errors import Cancelled, ConvwassError
-from ...framing import broad_view, orbit
-from ...image_files import opened_image, pixel_values
-from ...studio import Studio, opening, world_points
+from ...files.image_files import opened_image, pixel_values
+from ...studio.framing import broad_view, orbit
+from ...studio.rendered_scene import Studio, opening, world_points
 from ..players.player_inputs import is_player
 from ..stand_ins import frames_modifier, stand_ins
 from ..stored import frame_objects, stored_morph

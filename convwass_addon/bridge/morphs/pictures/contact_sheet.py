@@ -15,8 +15,8 @@ import numpy as np
 from ....errors import InputError
 from ....progress import Progress, Work
 from ....sentence import Sentence
-from ...framing import Pose, View, broad_view
-from ...studio import Studio, checked_output, world_points
+from ...studio.framing import Pose, View, broad_view
+from ...studio.rendered_scene import Studio, checked_output, world_points
 from ..stored import WEIGHTS_KEY, frame_objects
 
 ELEVATION = math.radians(20.0)

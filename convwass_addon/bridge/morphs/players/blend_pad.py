@@ -20,9 +20,9 @@ from ....applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ....errors import InputError
 from ....geometry.arrays.bounds import bounds_of
 from ...element_values import vectors_of
-from ...node_inputs import node_input
-from ...node_math import joined, math_node, new_node, pick, switch
-from ...node_trees import GroupInput, add_inputs
+from ...nodes.node_inputs import node_input
+from ...nodes.node_math import joined, math_node, new_node, pick, switch
+from ...nodes.node_trees import GroupInput, add_inputs
 from ...pad_handles import pad_handle, pad_labels, pad_lines
 from ...render_settings import take_render_settings
 from ...rendered_maps import take_color_name

@@ -10,7 +10,7 @@ from __future__ import annotations
 import bpy
 
 from ....errors import InputError
-from ...node_inputs import NodeInput, node_input
+from ...nodes.node_inputs import NodeInput, node_input
 from ..stand_ins import frames_modifier, stand_ins
 
 PAD, HANDLE = "Pad", "Handle"

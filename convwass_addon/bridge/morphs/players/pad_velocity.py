@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ....errors import InputError
 from ...animation_time import returning, show_time, times_per_second
 from ...keyframes import changing_span, curves_of, own_action, scene_span, set_keys
-from ...node_inputs import NodeInput
+from ...nodes.node_inputs import NodeInput
 from ...visibility import hidden_modifiers, update_places
 from .pad_inputs import HANDLE, PAD, pad_part
 

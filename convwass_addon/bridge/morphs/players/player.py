@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ....errors import InputError
 from ...keyframes import ease, repeat
-from ...node_inputs import NodeInput, node_input
-from ...node_math import math_node, new_node, switch
-from ...node_trees import GroupInput, add_inputs
+from ...nodes.node_inputs import NodeInput, node_input
+from ...nodes.node_math import math_node, new_node, switch
+from ...nodes.node_trees import GroupInput, add_inputs
 from ...render_settings import take_render_settings
 from ...rendered_maps import take_color_name
 from ...sequence import (

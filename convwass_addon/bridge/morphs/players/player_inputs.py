@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ....errors import InputError
-from ...node_inputs import NodeInput, node_input
+from ...nodes.node_inputs import NodeInput, node_input
 from ..fields.mixed_frames import DETAIL, INTERPOLATE
 from ..fields.path_mixture import SPEED, VALUE
 from ..stand_ins import SHOWS_KEY, frames_modifier

@@ -24,7 +24,7 @@ from ...keyframes import (
     set_keys,
     strips_span,
 )
-from ...node_inputs import NodeInput
+from ...nodes.node_inputs import NodeInput
 from ...visibility import hidden_modifiers
 from .player import pace
 from .player_inputs import last_value, morph_value, playback_item, shown_value, speed

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..errors import InputError
-from .keyframes import curves_of
+from ...errors import InputError
+from ..keyframes import curves_of
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..applications.whole_paths import whole_path
-from ..drafts import written_whole
-from ..errors import InputError
-from .color_spaces import show_unchanged
+from ...applications.whole_paths import whole_path
+from ...drafts import written_whole
+from ...errors import InputError
+from ..color_spaces import show_unchanged
+from ..operator_errors import reason
 from .numbered_files import split_number, with_number
-from .operator_errors import reason
 
 # JPEG quality in percent.
 _QUALITY = 95

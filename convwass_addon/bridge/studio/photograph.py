@@ -8,9 +8,9 @@ import math
 
 import bpy
 
+from ..nodes.node_trees import own_tree
 from .framing import View, broad_view, orbit
-from .node_trees import own_tree
-from .studio import LENS, opening, pose_matrix, world_points
+from .rendered_scene import LENS, opening, pose_matrix, world_points
 
 _ELEVATION = math.radians(16.0)
 _SIZE = (1280, 960)

@@ -9,11 +9,11 @@ from contextlib import contextmanager
 
 import bpy
 
-from .index_switch import chosen, index_switch
-from .node_math import joined
-from .node_trees import node_trees
+from ..nodes.index_switch import chosen, index_switch
+from ..nodes.node_math import joined
+from ..nodes.node_trees import node_trees
+from ..sequence import MODIFIER, along_x, frame_group, nearest, object_info, output, own_geometry, table_object
 from .scratch_scene import scratch_animation
-from .sequence import MODIFIER, along_x, frame_group, nearest, object_info, output, own_geometry, table_object
 
 
 @contextmanager

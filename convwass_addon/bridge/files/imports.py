@@ -14,17 +14,17 @@ from pathlib import Path
 
 import bpy
 
-from ..applications.whole_paths import whole_path
-from ..errors import InputError
+from ...applications.whole_paths import whole_path
+from ...errors import InputError
+from ..flat.flat_kinds import is_drawn_flat
+from ..interrupts import kept_interrupts
+from ..joined_shapes import joined_shape
+from ..mesh_checks import CONVERTIBLE
+from ..objects import frozen_copy, stand
+from ..operator_errors import reason
+from ..shape_sources import shape_source
 from .blend_files import appended_instances, appended_objects, listed_names, several_meshes
-from .flat.flat_kinds import is_drawn_flat
-from .interrupts import kept_interrupts
-from .joined_shapes import joined_shape
-from .mesh_checks import CONVERTIBLE
-from .objects import frozen_copy, stand
-from .operator_errors import reason
 from .scratch_scene import scratch_scene
-from .shape_sources import shape_source
 
 BLEND = ".blend"
 

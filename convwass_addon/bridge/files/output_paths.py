@@ -10,9 +10,9 @@ from pathlib import Path
 
 import bpy
 
-from ..applications.whole_paths import whole_path
-from ..drafts import written_whole
-from ..errors import InputError
+from ...applications.whole_paths import whole_path
+from ...drafts import written_whole
+from ...errors import InputError
 
 # Bytes of a name in UTF-8 that leave room for numbers, extensions and the names of drafts in the 255 that Linux allows.
 _LONGEST = 180

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import bpy
 
-from ..applications.whole_paths import whole_path
-from ..errors import InputError
-from ..sentence import Sentence
-from .interrupts import delayed_interrupts
+from ...applications.whole_paths import whole_path
+from ...errors import InputError
+from ...sentence import Sentence
+from ..interrupts import delayed_interrupts
 
 NAMES_SHOWN = 20
 """Longest list of names in a message."""

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import bpy
 
-from .node_math import new_node
-from .node_trees import own_tree
+from ..nodes.node_math import new_node
+from ..nodes.node_trees import own_tree
 
 _FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
 # Uniform, so that unshadowed floor is free of noise at any number of samples.

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import bpy
 
-from ..disk_space import require_whole
-from ..errors import ConvwassError
-from .interrupts import kept_interrupts
-from .operator_errors import reason
+from ...disk_space import require_whole
+from ...errors import ConvwassError
+from ..interrupts import kept_interrupts
+from ..operator_errors import reason
 
 
 def write_still_gltf(file: str) -> set[str]:

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import bpy
 
-from ..errors import ConvwassError
-from .color_spaces import show_unchanged
-from .studio import move_result, run_render
+from ...errors import ConvwassError
+from ..color_spaces import show_unchanged
+from .rendered_scene import move_result, run_render
 
 
 def write_video(pictures: Sequence[Path], target: Path, resolution: tuple[int, int], frames_per_second: int) -> None:

@@ -15,16 +15,16 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ..disk_space import require_whole
-from ..drafts import new_draft
-from ..errors import Cancelled, ConvwassError, InputError
-from ..geometry.algebra.affine import transformed_points
-from .color_spaces import show_unchanged
-from .element_values import element_values
-from .files import checked_target
+from ...disk_space import require_whole
+from ...drafts import new_draft
+from ...errors import Cancelled, ConvwassError, InputError
+from ...geometry.algebra.affine import transformed_points
+from ..color_spaces import show_unchanged
+from ..element_values import element_values
+from ..files.output_paths import checked_target
+from ..interrupts import delayed_interrupts
+from ..objects import stand
 from .framing import Pose, View
-from .interrupts import delayed_interrupts
-from .objects import stand
 from .studio_set import even_sky, floor_material, floor_mesh
 
 FLOOR_REACH = 60.0
