@@ -122,7 +122,9 @@ class Carrier:
         count, rest = len(shape.vertices), self.rest
         triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
         if self.parents is not None:
-            triangle[rest.faces.ravel()] = np.repeat(self.parents, 3)
+            # Of the triangles around a point, take the largest: some may have no area.
+            order = np.argsort(shape.face_areas[self.parents], kind="stable")
+            triangle[rest.faces[order].ravel()] = np.repeat(self.parents[order], 3)
         # Unused vertices are invisible, so the first corner of the first triangle serves for them.
         for place in range(3):
             triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place

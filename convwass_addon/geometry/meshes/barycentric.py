@@ -23,7 +23,7 @@ def barycentric_coordinates(corners: NDArray[np.floating], points: NDArray[np.fl
     Returns
     -------
     (m, p, 3) float64
-        Of sum 1; negative beyond an edge. (1, 0, 0) in triangles without area.
+        Of sum 1; negative beyond an edge. In triangles without area, those of points on the longest edge.
     """
     # One long array per coordinate: products of many small matrices take three times as long.
     start, second, third = (np.ascontiguousarray(corners[:, corner].T)[:, None] for corner in range(3))
@@ -35,7 +35,28 @@ def barycentric_coordinates(corners: NDArray[np.floating], points: NDArray[np.fl
     area = np.where(sound, area, 1.0)
     second = np.where(sound, (other * at_one - mixed * at_other) / area, 0.0)
     third = np.where(sound, (one * at_other - mixed * at_one) / area, 0.0)
-    return np.stack([1.0 - second - third, second, third]).T
+    found = np.stack([1.0 - second - third, second, third]).T
+    flat = ~sound[0]
+    if flat.any():
+        found[flat] = _along_longest_edge(corners[flat], points[flat])
+    return found
+
+
+def _along_longest_edge(corners: NDArray[np.floating], points: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return barycentric coordinates of points, (m, p, 3), projected onto the longest edge of a triangle each.
+
+    A point on an edge between two triangles may be given with one that has no area.
+    """
+    rows = np.arange(len(corners))
+    edges = np.roll(corners, -1, axis=1) - corners
+    squared = np.square(edges).sum(axis=2)
+    first = squared.argmax(axis=1)
+    longest = np.maximum(squared[rows, first], np.finfo(np.float64).tiny)
+    offsets = points - corners[rows, first][:, None]
+    ways = np.einsum("mpd,md->mp", offsets, edges[rows, first]) / longest[:, None]
+    found = np.zeros(points.shape)
+    found[rows, :, first], found[rows, :, (first + 1) % 3] = 1.0 - ways, ways
+    return found
 
 
 def points_of_triangles(shares: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:

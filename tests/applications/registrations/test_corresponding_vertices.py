@@ -23,6 +23,7 @@ from convwass_addon.applications.registrations.corresponding_vertices import (
     corresponding_pair,
     vertices_correspond,
 )
+from convwass_addon.geometry.meshes.edges import edge_lengths
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.geometry.meshes.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
@@ -200,6 +201,28 @@ def test_vertices_that_no_triangle_uses_have_a_place():
     found = carrier.embedding(loose).interpolated(loose.corners)
     np.testing.assert_allclose(np.delete(found, 8, axis=0), np.delete(carrier.rest.vertices, 8, axis=0), atol=1e-12)
     assert (np.abs(found[8] - long.vertices).max(axis=1) < 1e-12).any()
+
+
+def test_points_that_divide_triangles_without_area_stay_on_them():
+    """Both long edges of a needle in the side of a box are divided, and so is what is between them."""
+    long = box((1.0, 1.0, 4.0))
+    lengths = edge_lengths(long.vertices, long.faces[:, [0, 1]])
+    face = int(lengths.argmax())
+    one, other, across = long.faces[face]
+    # A second vertex where another one is, and the needle between both.
+    split = TriangleMesh(
+        np.concatenate([long.vertices, long.vertices[other : other + 1]]),
+        np.concatenate([np.delete(long.faces, face, axis=0), [[one, 8, across], [one, other, 8]]]),
+    )
+    carrier = carrier_of(split, "a box", 6000, Control())
+    found = carrier.embedding(split)
+    has_area = split.face_areas > 0.0
+    assert not has_area[-1]
+    np.testing.assert_allclose(found.interpolated(split.corners), carrier.rest.vertices, atol=1e-12)
+    # The needle may open in another pose, so points that also lie on other triangles belong to these.
+    beside = np.unique(carrier.rest.faces[has_area[carrier.parents]])
+    assert has_area[found.triangles[beside[beside >= 9]]].all()
+    assert not has_area[found.triangles[9:]].all()
 
 
 @pytest.mark.parametrize(("mesh", "count"), [(box((1.0, 1.0, 4.0)), 6000), (RING, 6000), (ball(points=3000), 500)])
