@@ -23,6 +23,8 @@ _LEVEL = 1e-9
 class TriangleMesh:
     """Vertices and triangles.
 
+    Arrays of other types of numbers are converted.
+
     Attributes
     ----------
     vertices : (n, 3) float64
@@ -35,6 +37,11 @@ class TriangleMesh:
     faces: NDArray[np.int64]
 
     __repr__ = one_line("vertices", "faces")
+
+    def __post_init__(self) -> None:
+        """Convert arrays: measures in single precision are too inexact for samples and systems of equations."""
+        object.__setattr__(self, "vertices", np.asarray(self.vertices, np.float64))
+        object.__setattr__(self, "faces", np.asarray(self.faces, np.int64))
 
     @classmethod
     def from_arrays(cls, vertices: ArrayLike, faces: ArrayLike) -> TriangleMesh:

@@ -10,6 +10,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.meshes.centroid import centroid
 from convwass_addon.geometry.meshes.edges import mesh_edges, topology
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
+from convwass_addon.geometry.meshes.mirror_planes import mirror_planes
 from convwass_addon.geometry.meshes.welding import welded
 from convwass_addon.geometry.solids.orientation import orient_outward
 from convwass_addon.geometry.solids.solid_angles import winding_numbers
@@ -25,6 +26,17 @@ def test_measures_of_a_box():
     assert mesh.flipped().volume == pytest.approx(-6)
     upright = box((1, 2, 3), center=(5, -4, 2))
     assert (upright.longest_side, upright.diagonal) == pytest.approx((3, 14**0.5))
+
+
+def test_single_precision_is_converted_once():
+    """Shares of an area in single precision do not add up to one."""
+    mesh = ball(points=3000)
+    single = TriangleMesh(1.7 * mesh.vertices.astype(np.float32), mesh.faces.astype(np.int32))
+    assert (single.vertices.dtype, single.faces.dtype) == (np.float64, np.int64)
+    assert isinstance(mirror_planes(single), list)
+    again = TriangleMesh(single.vertices, single.faces)
+    assert again.vertices is single.vertices
+    assert again.faces is single.faces
 
 
 def test_areas_of_vertices_are_thirds_of_triangles():
