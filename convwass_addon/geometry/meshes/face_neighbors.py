@@ -42,13 +42,13 @@ class FaceNeighbors:
         return self.sides // 3
 
     def among(self, chosen: NDArray[np.bool_]) -> FaceNeighbors:
-        """Return these neighbors, of the chosen ones of all triangles, (m,), as neighbors of all of them."""
+        """Return neighbors that were found among the chosen triangles alone, with the numbers of all, (m,)."""
         rows = np.flatnonzero(chosen)
         left_out = rows - np.arange(len(rows))
         return FaceNeighbors(self.sides + 3 * left_out[self.faces], self.agree)
 
     def unless_same(self, triangles: NDArray[np.int64]) -> FaceNeighbors:
-        """Return the neighbors that are not the same one of some triangles, (m, 3), twice."""
+        """Return the pairs of different triangles: not those with the same three corners, given by (m, 3)."""
         # Faster than indexing with an array.
         one, other = np.sort(triangles, axis=1).take(self.faces, axis=0)
         return self._those((one != other).any(axis=1))

@@ -28,7 +28,7 @@ def touching_components(mesh: TriangleMesh, labels: NDArray[np.int64]) -> NDArra
         The component of every vertex; see :func:`.edges.vertex_components`.
     """
     samples = TriangleSamples.of(mesh.corners)
-    points, own = samples.points / (_NEAR * np.sqrt(mesh.area)), labels[mesh.faces[samples.triangles, 0]]
+    points, own = samples.points / (_NEAR * mesh.root_area), labels[mesh.faces[samples.triangles, 0]]
     cells = np.concatenate([np.floor(2.0 * points), own[:, None]], axis=1)
     _, some = np.unique(place_labels(cells), return_index=True)
     near = np.sort(own[some][cKDTree(points[some]).query_pairs(1.0, output_type="ndarray")], axis=1)
