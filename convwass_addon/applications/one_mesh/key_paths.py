@@ -19,6 +19,7 @@ from ...errors import InputError
 from ...geometry.arrays.weighted_quantile import weighted_quantile
 from ...geometry.meshes.mesh import TriangleMesh
 from ...geometry.meshes.missed_share import missed_share
+from ...geometry.meshes.spread_distances import spread_distances
 from ...geometry.solids.orientation import orient_outward
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
@@ -91,8 +92,8 @@ class KeyPath:
     deviation : float
         Largest distance of a vertex from the original path, as a fraction of the other shape's diagonal.
     distance, distance_95 : float
-        From the last position to the other surface, as fractions of its diagonal: mean over the area, and 95th
-        percentile.
+        From the vertices in the last position to the other surface, as fractions of its diagonal: mean over the area,
+        and 95th percentile.
     turned : int
         Number of triangles that finally face away from the surface they lie on.
     poor : (p,) int64
@@ -101,6 +102,9 @@ class KeyPath:
     missed : float
         Share of the other surface that is farther than a hundredth of its diagonal from the mesh at the end, such as a
         knob where the mesh has no vertices.
+    surface_95 : float
+        As `distance_95`, of points all over the triangles: large ones are far from a curved surface on which their
+        corners lie.
     """
 
     name: str
@@ -113,12 +117,13 @@ class KeyPath:
     turned: int
     poor: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     missed: float = 0.0
+    surface_95: float = 0.0
 
     __repr__ = one_line("name", "times", "positions")
 
     def record(self) -> dict[str, object]:
         """Return all figures, ready for JSON."""
-        names = ("name", "score", "deviation", "distance", "distance_95", "turned", "missed")
+        names = ("name", "score", "deviation", "distance", "distance_95", "turned", "missed", "surface_95")
         return {**{name: getattr(self, name) for name in names}, "poor": len(self.poor), "times": list(self.times)}
 
 
@@ -263,9 +268,12 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
     areas, missed = final.vertex_areas, 0.0
     if way.ends_on_vertices:
         distances = np.linalg.norm(last - way.target.vertices, axis=1) / diagonal
+        surface = distance_95 = weighted_quantile(distances, areas, 0.95)
         turned, poor = np.zeros(len(final.faces), bool), distances > _FAR
     else:
         distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
+        distance_95 = weighted_quantile(distances, areas, 0.95)
+        surface = float(np.quantile(spread_distances(final, folds.finder.closest, control), 0.95)) / diagonal
         yield Progress(0.4, message)
         turned = folds.agreements(final.vertices, control) < 0.0
         poor = distances > _FAR
@@ -274,7 +282,8 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
         missed = missed_share(way.target, final, _FAR * diagonal, control)
     return {
         "distance": float(areas @ distances / areas.sum()),
-        "distance_95": weighted_quantile(distances, areas, 0.95),
+        "distance_95": distance_95,
+        "surface_95": surface,
         "turned": int(turned.sum()),
         "poor": np.flatnonzero(poor),
         "missed": missed,

@@ -189,5 +189,5 @@ def _key_path(pieces: FittedPieces, name: str, gap: VisibleGap, size: float) -> 
     """Return a path to a surface of some diagonal, with the gap between them."""
     times = tuple(end / (_STEPS * 2**_DOUBLINGS) for end in pieces.ends)
     poor = np.flatnonzero(gap.outside > _FAR * size)
-    distances = (gap.mean / size, gap.most / size)
-    return KeyPath(name, times, pieces.positions, None, pieces.deviation / size, *distances, turned=0, poor=poor)
+    mean, most, deviation = gap.mean / size, gap.most / size, pieces.deviation / size
+    return KeyPath(name, times, pieces.positions, None, deviation, mean, most, turned=0, poor=poor, surface_95=most)

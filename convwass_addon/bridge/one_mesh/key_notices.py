@@ -16,7 +16,7 @@ _LITTLE = 0.01
 
 def key_summary(name: str, paths: Sequence[KeyPath]) -> Sentence:
     """Return how well the mesh of an object arrives at the other shapes."""
-    count, distance = sum(len(path.times) for path in paths), max(path.distance_95 for path in paths)
+    count, distance = sum(len(path.times) for path in paths), max(path.surface_95 for path in paths)
     if count == 1:
         return Sentence(
             "{name}: one shape key; 95 % of the mesh ends within {distance:.2%} of the other shape",
