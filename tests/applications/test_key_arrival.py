@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
-from convwass_addon.bridge.one_mesh.key_notices import key_summary
+from convwass_addon.applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
+from convwass_addon.bridge.one_mesh.key_notices import key_summary, poor_notices
 from convwass_addon.geometry.meshes.closest_points import ClosestPointFinder
 from convwass_addon.geometry.meshes.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -32,3 +32,14 @@ def test_the_distance_is_that_of_the_surface_and_not_of_its_corners():
     told = key_summary("Cube", paths).values["distance"]
     assert told == pytest.approx(known[order][np.searchsorted(reached, 0.95)], rel=0.02)
     assert told > 0.05
+    assert paths[0].missed > 0.9 and paths[0].beyond == 0.0
+
+
+def test_what_a_finer_mesh_would_reach_is_told_apart_from_parts_that_it_lacks():
+    figures = dict.fromkeys(("score", "deviation", "distance", "distance_95"), 0.0)
+    path = KeyPath("Hero", (1.0,), np.zeros((1, 3, 3)), turned=0, missed=0.3, beyond=0.2, **figures)
+    assert list(map(str, poor_notices([path]))) == [
+        "10% of the surface of Hero is missed: the mesh has too few vertices there; "
+        "choose another Basis, or subdivide it",
+        "20% of the surface of Hero is missed: no part of the mesh takes its form; add guides, or set Two Meshes",
+    ]

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.arrays.weighted_quantile import weighted_quantile
 from ...geometry.meshes.mesh import TriangleMesh
-from ...geometry.meshes.missed_share import missed_share
-from ...geometry.meshes.spread_distances import spread_distances
+from ...geometry.meshes.missed_surface import MissedSurface, missed_surface
+from ...geometry.meshes.spread_closest_points import spread_closest_points
 from ...geometry.solids.orientation import orient_outward
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
@@ -102,6 +102,8 @@ class KeyPath:
     missed : float
         Share of the other surface that is farther than a hundredth of its diagonal from the mesh at the end, such as a
         knob where the mesh has no vertices.
+    beyond : float
+        What of that is farther from the mesh than its closest triangle is long, so that no finer mesh would reach it.
     surface_95 : float
         As `distance_95`, of points all over the triangles: large ones are far from a curved surface on which their
         corners lie.
@@ -117,13 +119,15 @@ class KeyPath:
     turned: int
     poor: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
     missed: float = 0.0
+    beyond: float = 0.0
     surface_95: float = 0.0
 
     __repr__ = one_line("name", "times", "positions")
 
     def record(self) -> dict[str, object]:
         """Return all figures, ready for JSON."""
-        names = ("name", "score", "deviation", "distance", "distance_95", "turned", "missed", "surface_95")
+        distances = ("deviation", "distance", "distance_95", "surface_95")
+        names = ("name", "score", *distances, "turned", "missed", "beyond")
         return {**{name: getattr(self, name) for name in names}, "poor": len(self.poor), "times": list(self.times)}
 
 
@@ -265,7 +269,7 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
     yield Progress(0.0, message)
     final, folds = TriangleMesh(last, way.mesh.faces), way.folds
     diagonal = way.target.diagonal
-    areas, missed = final.vertex_areas, 0.0
+    areas, missed = final.vertex_areas, MissedSurface(0.0, 0.0)
     if way.ends_on_vertices:
         distances = np.linalg.norm(last - way.target.vertices, axis=1) / diagonal
         surface = distance_95 = weighted_quantile(distances, areas, 0.95)
@@ -273,18 +277,20 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, contr
     else:
         distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
         distance_95 = weighted_quantile(distances, areas, 0.95)
-        surface = float(np.quantile(spread_distances(final, folds.finder.closest, control), 0.95)) / diagonal
+        near = spread_closest_points(final, folds.finder.closest, control)
+        surface = float(np.quantile(near.distances, 0.95)) / diagonal
         yield Progress(0.4, message)
         turned = folds.agreements(final.vertices, control) < 0.0
         poor = distances > _FAR
         poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
         yield Progress(0.7, message)
-        missed = missed_share(way.target, final, _FAR * diagonal, control)
+        missed = missed_surface(way.target, final, _FAR * diagonal, control)
     return {
         "distance": float(areas @ distances / areas.sum()),
         "distance_95": distance_95,
         "surface_95": surface,
         "turned": int(turned.sum()),
         "poor": np.flatnonzero(poor),
-        "missed": missed,
+        "missed": missed.missed,
+        "beyond": missed.beyond,
     }

@@ -46,13 +46,27 @@ def poor_notices(paths: Sequence[KeyPath]) -> list[Sentence]:
         for path in paths
         if len(path.poor)
     ]
-    missed = [
-        Sentence(
-            "{share:.0%} of the surface of {name} is missed: the mesh has too few vertices there; "
-            "choose another Basis, or subdivide it",
-            {"share": path.missed, "name": path.name},
+    return [*poor, *(notice for path in paths for notice in _missed_notices(path))]
+
+
+def _missed_notices(path: KeyPath) -> list[Sentence]:
+    """Return why parts of a shape are missed, each reason for its share of the surface."""
+    beyond = path.beyond if path.beyond > _LITTLE else 0.0
+    told = []
+    if path.missed - beyond > _LITTLE:
+        told.append(
+            Sentence(
+                "{share:.0%} of the surface of {name} is missed: the mesh has too few vertices there; "
+                "choose another Basis, or subdivide it",
+                {"share": path.missed - beyond, "name": path.name},
+            )
         )
-        for path in paths
-        if path.missed > _LITTLE
-    ]
-    return [*poor, *missed]
+    if beyond > 0.0:
+        told.append(
+            Sentence(
+                "{share:.0%} of the surface of {name} is missed: no part of the mesh takes its form; add guides, "
+                "or set Two Meshes",
+                {"share": beyond, "name": path.name},
+            )
+        )
+    return told

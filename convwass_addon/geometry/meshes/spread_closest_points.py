@@ -1,14 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a surface is from another one, all over its triangles."""
+"""The points of a surface that are closest to another one, all over its triangles."""
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...progress import UNINTERRUPTED, Control
-from .closest_points import ClosestPointFinder
+from .closest_points import ClosestPointFinder, ClosestPoints
 from .mesh import TriangleMesh
 from .spread_points import spread_points
 
@@ -16,9 +13,9 @@ from .spread_points import spread_points
 _POINTS = 4096
 
 
-def spread_distances(
+def spread_closest_points(
     surface: TriangleMesh, finder: ClosestPointFinder, control: Control = UNINTERRUPTED
-) -> NDArray[np.float64]:
-    """Return distances from triangles, (k,), of points that are spread evenly over the area of a surface."""
+) -> ClosestPoints:
+    """Find the closest points to points that are spread evenly over the area of a surface."""
     points = spread_points(surface.corners, _POINTS).interpolated(surface.corners)
-    return finder.find_about(points, control).distances
+    return finder.find_about(points, control)
