@@ -47,9 +47,7 @@ def marching_cubes(values: NDArray[np.floating], level: float) -> TriangleMesh:
     # On flat arrays, the cubes that continue from the end of one row to the start of the next are all outside.
     samples, is_inside, strides = values.ravel(), inside.ravel(), (ny * nz, nz, 1)
     crossed = [np.flatnonzero(is_inside[:-stride] != is_inside[stride:]) for stride in strides]
-    return TriangleMesh(
-        _crossings(samples, level, crossed, strides), _faces(is_inside, crossed, strides).astype(np.int64)
-    )
+    return TriangleMesh(_crossings(samples, level, crossed, strides), _faces(is_inside, crossed, strides))
 
 
 def _crossings(

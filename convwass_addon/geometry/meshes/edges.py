@@ -93,6 +93,11 @@ def edge_lengths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArra
     return np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
 
 
+def side_lengths(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the lengths of the sides of triangles, (m, 3, 3) corners, opposite each corner, (m, 3)."""
+    return np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
+
+
 @dataclass(frozen=True)
 class Topology:
     """Topological properties of a mesh.

@@ -16,7 +16,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control
 from ..arrays.chunks import chunks
 from .delaunay import closed_surface, flipped_to_delaunay, heron_areas
-from .edges import proper_part
+from .edges import proper_part, side_lengths
 from .mesh import TriangleMesh
 from .normals import triangle_areas
 
@@ -215,7 +215,7 @@ def _has_area(surface: _UnitSurface, reach: float) -> bool:
     # Usually one of the first triangles is.
     for some in chunks(len(surface.faces), _AT_ONCE):
         corners = surface.vertices[surface.faces[some]]
-        if (2.0 * triangle_areas(corners) > least * _lengths(corners).max(axis=1)).any():
+        if (2.0 * triangle_areas(corners) > least * side_lengths(corners).max(axis=1)).any():
             return True
     return False
 
@@ -224,11 +224,6 @@ def _edge_lengths(surface: _UnitSurface) -> NDArray[np.float64]:
     """Length of the edge opposite each corner, (j, 3)."""
     points, (a, b, c) = surface.vertices, surface.faces.T
     return np.stack([np.linalg.norm(points[one] - points[other], axis=1) for one, other in ((b, c), (c, a), (a, b))], 1)
-
-
-def _lengths(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the edge lengths of triangles given by their corners, (j, 3, 3)."""
-    return np.linalg.norm(np.roll(corners, -1, axis=1) - np.roll(corners, -2, axis=1), axis=2)
 
 
 def _mollified(lengths: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,11 +6,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder
+from .edges import side_lengths
 from .mesh import TriangleMesh
 from .spread_closest_points import spread_closest_points
 
@@ -38,10 +36,5 @@ def missed_surface(
     """Measure how much of a surface is farther than a distance from a mesh."""
     found = spread_closest_points(surface, ClosestPointFinder(mesh.corners), control)
     far = found.distances > distance
-    beyond = far & (found.distances > _lengths(mesh.corners)[found.triangles])
+    beyond = far & (found.distances > side_lengths(mesh.corners).max(axis=1)[found.triangles])
     return MissedSurface(float(far.mean()), float(beyond.mean()))
-
-
-def _lengths(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the longest edges of triangles, (m,)."""
-    return np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
